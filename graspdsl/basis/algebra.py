@@ -1,0 +1,79 @@
+"""Small linear algebra on (..., 3) arrays and Jacobians, written out where numpy is slow on small arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graspdsl.arrays import Array
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a × b over the last axis; leading axes broadcast."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+
+
+def skew(a: Array) -> Array:
+    """[a]×, the (..., 3, 3) matrices with [a]× b = a × b."""
+    matrix = np.zeros((*a.shape, 3))
+    matrix[..., 0, 1], matrix[..., 0, 2] = -a[..., 2], a[..., 1]
+    matrix[..., 1, 0], matrix[..., 1, 2] = a[..., 2], -a[..., 0]
+    matrix[..., 2, 0], matrix[..., 2, 1] = -a[..., 1], a[..., 0]
+    return matrix
+
+
+def along(vectors: Array, normals: Array) -> Array:
+    """The parts (..., k, 3) of vectors along unit normals: (v·n) n."""
+    share: Array = np.einsum("...i,...i->...", vectors, normals)[..., None] * normals
+    return share
+
+
+def tangent_projectors(normals: Array) -> Array:
+    """P = I − n nᵀ for each unit normal, (..., 3, 3)."""
+    result: Array = np.eye(3) - normals[..., :, None] * normals[..., None, :]
+    return result
+
+
+def tangent_frames(normals: Array) -> Array:
+    """Two unit vectors that span the tangent plane of each unit normal, as columns: (..., 3, 2).
+
+    A frame without poles and without a trigonometric function: the branch at n_z < 0 keeps the divisor away from zero.
+    """
+    x, y, z = normals[..., 0], normals[..., 1], normals[..., 2]
+    sign = np.where(z >= 0.0, 1.0, -1.0)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    first = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=-1)
+    second = np.stack([b, sign + y * y * a, -y], axis=-1)
+    return np.stack([first, second], axis=-1)
+
+
+def in_columns(blocks: Array) -> Array:
+    """Blocks (..., k, 3, c), one a contact, side by side: (..., 3, c k)."""
+    moved = np.moveaxis(blocks, -3, -2)
+    return moved.reshape(*moved.shape[:-2], moved.shape[-2] * moved.shape[-1])
+
+
+def in_rows(blocks: Array) -> Array:
+    """Blocks (..., m, 3, n) on top of each other: (..., 3m, n)."""
+    return blocks.reshape(*blocks.shape[:-3], blocks.shape[-3] * blocks.shape[-2], blocks.shape[-1])
+
+
+def damped_pseudo_inverse(damping: float, jacobian: Array) -> Array:
+    """J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, (..., n, m) for J (..., m, n)."""
+    transposed = np.swapaxes(jacobian, -1, -2)
+    gram = jacobian @ transposed + damping**2 * np.eye(jacobian.shape[-2])
+    return np.swapaxes(np.linalg.solve(gram, jacobian), -1, -2)
+
+
+def null_space_projector(jacobian: Array, cutoff: float = 1e-6) -> Array:
+    """N = I − J⁺J, (..., n, n), the orthogonal projector on the null space of J (..., m, n).
+
+    Singular values below ``cutoff`` times the largest count as zero, so rows without content do not take freedom away.
+    """
+    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
+    kept = values > np.maximum(cutoff * values[..., :1], 1e-12)
+    basis = rows * kept[..., None]
+    result: Array = np.eye(jacobian.shape[-1]) - np.swapaxes(basis, -1, -2) @ basis
+    return result

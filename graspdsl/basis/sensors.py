@@ -1,0 +1,123 @@
+"""Sensor transforms σ: from what the hand senses to a task space.
+
+Contact forces are unit forces along the inward normal. Sums and means over resources use weights w: one for a
+physical contact, 1/|α| for each member of a virtual contact (Eq. 4.32).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import along, cross
+from graspdsl.basis.spaces import TaskSpace
+
+
+class Sensor(ABC):
+    """A sensor transform: ``reads`` names its inputs (fields of an Observation, or ``origin``).
+
+    ``per_contact`` sensors give one row a resource, the others one vector for the whole set.
+    """
+
+    symbol: ClassVar[str]
+    about: ClassVar[str]
+    equation: ClassVar[str]
+    space: ClassVar[TaskSpace]
+    reads: ClassVar[tuple[str, ...]]
+    per_contact: ClassVar[bool]
+
+    @abstractmethod
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """σ for a mixing matrix over the k contacts: (m, k) for per-contact sensors, else weights (k,)."""
+
+
+class UnitNormals(Sensor):
+    """σ_n: the inward unit normals of the resources (Eq. 4.10), (..., m, 3); a virtual contact's is a mean."""
+
+    symbol = "σ_n"
+    about = "inward unit normals"
+    equation = "4.10"
+    space = TaskSpace.NORMAL
+    reads = ("normals",)
+    per_contact = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R n, shape (..., m, 3)."""
+        (normals,) = inputs
+        return np.asarray(mixing @ normals)
+
+
+class Positions(Sensor):
+    """σ_p: the positions of the resources [m], (..., m, 3) (Eq. 4.20, 4.32)."""
+
+    symbol = "σ_p"
+    about = "contact positions"
+    equation = "4.20"
+    space = TaskSpace.POSITION
+    reads = ("points",)
+    per_contact = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R x, shape (..., m, 3)."""
+        (points,) = inputs
+        return np.asarray(mixing @ points)
+
+
+class Forces(Sensor):
+    """σ_f: the forces of the resources on the object along their normals [N], (..., m, 3) (Eq. 4.21, 4.32).
+
+    The part along the surface is friction and is left out: a sliding contact must not servo it (end of Sec. 4.3.3).
+    """
+
+    symbol = "σ_f"
+    about = "contact forces along the normals"
+    equation = "4.21"
+    space = TaskSpace.FORCE
+    reads = ("forces", "normals")
+    per_contact = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R (n nᵀ f), shape (..., m, 3)."""
+        forces, normals = inputs
+        return np.asarray(mixing @ along(forces, normals))
+
+
+class NetForce(Sensor):
+    """σ_fr: the net force of unit contact forces, Σ w n (Eq. 4.11), (..., 3)."""
+
+    symbol = "σ_fr"
+    about = "net force of unit contact forces"
+    equation = "4.11"
+    space = TaskSpace.NET_FORCE
+    reads = ("normals",)
+    per_contact = False
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Σ w n, shape (..., 3)."""
+        (normals,) = inputs
+        return np.asarray(mixing @ normals)
+
+
+class NetMoment(Sensor):
+    """σ_mr: the net moment of unit contact forces about the origin c, Σ w (x − c) × n [m] (Eq. 4.15), (..., 3)."""
+
+    symbol = "σ_mr"
+    about = "net moment of unit contact forces"
+    equation = "4.15"
+    space = TaskSpace.NET_MOMENT
+    reads = ("points", "normals", "origin")
+    per_contact = False
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Σ w (x − c) × n, shape (..., 3)."""
+        points, normals, origin = inputs
+        return np.asarray(mixing @ cross(points - origin[..., None, :], normals))
+
+
+SENSORS: Mapping[str, Sensor] = {
+    sensor.symbol: sensor for sensor in (UnitNormals(), Positions(), Forces(), NetForce(), NetMoment())
+}

@@ -1,0 +1,36 @@
+"""The spaces that controllers live in: what a potential measures, and what an effector moves."""
+
+from __future__ import annotations
+
+import enum
+
+
+class TaskSpace(enum.Enum):
+    """What a potential's error is measured in; sensors map to it."""
+
+    NET_FORCE = "net unit force (1)"
+    NET_MOMENT = "net moment of unit forces (m)"
+    POSITION = "contact positions (m)"
+    FORCE = "contact forces (N)"
+    NORMAL = "unit normals (1)"
+
+
+class GradientSpace(enum.Enum):
+    """What a controller displaces; ``◁`` joins controllers of one gradient space only."""
+
+    SURFACE = "ψ"
+    CARTESIAN = "x"
+    JOINTS = "q"
+
+    @property
+    def about(self) -> str:
+        """The space in words, with its unit."""
+        return {
+            GradientSpace.SURFACE: "surface coordinates of the contacts (rad on the model sphere)",
+            GradientSpace.CARTESIAN: "Cartesian displacements of the contacts (m)",
+            GradientSpace.JOINTS: "joint displacements (m or rad)",
+        }[self]
+
+
+# A gradient in this space can be the reference of a controller of that task space: reference = sensed + displacement.
+DISPLACES = {GradientSpace.CARTESIAN: TaskSpace.POSITION}

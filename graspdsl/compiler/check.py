@@ -1,0 +1,253 @@
+"""The type checker: names, spaces and resources of an expression, and the graph they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from graspdsl.basis.effectors import EFFECTORS, Effector
+from graspdsl.basis.potentials import POTENTIALS, Potential
+from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.sensors import SENSORS, Sensor
+from graspdsl.compiler.complaints import Complaints
+from graspdsl.compiler.definitions import Bindings, Definition, expanded
+from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
+from graspdsl.compiler.references import ReferenceCheck
+from graspdsl.compiler.resources import ResourceTable
+from graspdsl.diagnostics import known_names_hint, listed
+from graspdsl.notation import tree as syntax
+from graspdsl.notation.printer import to_unicode
+
+T = TypeVar("T")
+
+
+class Checker:
+    """Checks expressions against the basis, the definitions and the resources of one spec.
+
+    Complaints are collected, not raised; a faulty expression has no graph.
+    """
+
+    def __init__(
+        self,
+        resources: ResourceTable,
+        definitions: Mapping[str, Definition],
+        parameters: Mapping[str, tuple[float, ...]],
+        complaints: Complaints,
+    ) -> None:
+        self.complaints = complaints
+        self._resources, self._definitions = resources, definitions
+        self._references = ReferenceCheck(self, parameters)
+        self._open: list[str] = []
+
+    def stages(self, tree: syntax.Expression) -> tuple[ControllerGraph, ...] | None:
+        """The graphs of ``a then b then …``, one for a formula without ``then``."""
+        tree = self._unfolded(tree)
+        if isinstance(tree, syntax.Then):
+            parts = [self.stages(step) for step in tree.steps]
+            complete = [part for part in parts if part is not None]
+            return tuple(graph for part in complete for graph in part) if len(complete) == len(parts) else None
+        graph = self.expression(tree)
+        return None if graph is None else (graph,)
+
+    def expression(self, tree: syntax.Expression) -> ControllerGraph | None:
+        """The graph of an expression that is one controller at every tick."""
+        match tree:
+            case syntax.Controller():
+                return self._controller(tree)
+            case syntax.SubjectTo():
+                return self._composition(tree)
+            case syntax.Abbreviation():
+                body = self._expansion(tree)
+                if body is None:
+                    return None
+                self._open.append(tree.name.text)
+                graph = self.expression(body)
+                self._open.pop()
+                return graph
+            case syntax.Then():
+                self.complaints.error(
+                    "then-inside",
+                    "'then' joins whole controllers; it cannot stand inside ◁ or a reference",
+                    tree.span,
+                    "put 'then' outermost: a ◁ b then c",
+                )
+                return None
+
+    def _unfolded(self, tree: syntax.Expression) -> syntax.Expression:
+        """An abbreviation of a sequence becomes the sequence; everything else stays."""
+        seen: set[str] = set()
+        while isinstance(tree, syntax.Abbreviation) and tree.name.text not in seen:
+            seen.add(tree.name.text)
+            definition = self._definitions.get(tree.name.text)
+            if definition is None or not isinstance(definition.body, syntax.Then | syntax.Abbreviation):
+                break
+            body = self._expansion(tree)
+            if body is None:
+                break
+            tree = body
+        return tree
+
+    # --- ◁ ----------------------------------------------------------------------------------------------------
+
+    def _composition(self, tree: syntax.SubjectTo) -> Composition | None:
+        graphs = [self.expression(term) for term in tree.terms]
+        complete = [graph for graph in graphs if graph is not None]
+        spaces = {graph.gradient_space for graph in complete}
+        if len(spaces) > 1:
+            found = "; ".join(
+                f"{to_unicode(term)} is in {graph.gradient_space.value}"
+                for term, graph in zip(tree.terms, graphs, strict=True)
+                if graph is not None
+            )
+            self.complaints.error(
+                "mixed-spaces",
+                f"◁ joins gradients of one space only: {found}",
+                tree.span,
+                "use effector transforms of one space; a controller in x becomes a reference of φ_p, as in π_s|Γ Γ (…)",
+            )
+            return None
+        return Composition(tuple(complete)) if len(complete) == len(graphs) else None
+
+    # --- abbreviations ------------------------------------------------------------------------------------------
+
+    def _expansion(self, tree: syntax.Abbreviation) -> syntax.Expression | None:
+        """What an abbreviation stands for, with its arguments in place."""
+        name = tree.name.text
+        definition = self._definitions.get(name)
+        if definition is None:
+            hint = known_names_hint(name, self._definitions, "controllers")
+            self.complaints.error("unknown-controller", f"there is no controller {name}", tree.name.span, hint)
+            return None
+        if name in self._open:
+            cycle = " → ".join([*self._open[self._open.index(name) :], name])
+            self.complaints.error(
+                "definition-cycle", f"{name} is defined by itself: {cycle}", tree.span, "define it by other controllers"
+            )
+            return None
+        bindings = self._bindings(tree, definition)
+        return None if bindings is None else expanded(definition.body, bindings, tree.span)
+
+    def _bindings(self, tree: syntax.Abbreviation, definition: Definition) -> Bindings | None:
+        head = definition.head
+        if len(tree.effector) != len(head.effector) or len(tree.sensor) != len(head.sensor):
+            self.complaints.error(
+                "wrong-arguments",
+                f"{to_unicode(tree)} does not fit {to_unicode(head)}",
+                tree.span,
+                f"{head.name.text} takes {len(head.effector)} effector and {len(head.sensor)} sensor resources",
+            )
+            return None
+        if (tree.reference is None) != (head.reference is None):
+            missing = tree.reference is None
+            self.complaints.error(
+                "missing-reference" if missing else "unexpected-reference",
+                f"{head.name.text} {'needs a' if missing else 'takes no'} reference",
+                tree.span,
+                f"it is defined as {to_unicode(head)}",
+            )
+            return None
+        bindings: dict[str, syntax.Resources | syntax.Reference] = {}
+        for formal, given in zip((*head.effector, *head.sensor), (*tree.effector, *tree.sensor), strict=True):
+            if formal.text in bindings and not self._same(bindings[formal.text], given, definition):
+                return None
+            bindings.setdefault(formal.text, given)
+        if head.reference is not None and tree.reference is not None:
+            bindings[head.reference.text] = tree.reference
+        return bindings
+
+    def _same(
+        self, first: syntax.Resources | syntax.Reference, second: syntax.Resources, definition: Definition
+    ) -> bool:
+        """Whether two arguments for one parameter are the same resources, as Eq. 4.18 and 4.24 ask for."""
+        assert isinstance(first, syntax.Name | syntax.Virtual | syntax.ResourceSet)
+        if first == second:
+            return True
+        one, other = self._resources.resolve(first), self._resources.resolve(second)
+        if one is None or other is None or one.same_as(other):
+            return one is not None and other is not None
+        name = definition.head.name.text
+        self.complaints.error(
+            "resources-differ",
+            f"{name} needs the same resources for effector and sensor"
+            f"{f' (Eq. {definition.equation})' if definition.equation else ''}, "
+            f"found {to_unicode(first)} and {to_unicode(second)}",
+            second.span,
+            f"write {name}|{to_unicode(first)} {to_unicode(first)}",
+        )
+        return False
+
+    # --- one controller -------------------------------------------------------------------------------------------
+
+    def _controller(self, tree: syntax.Controller) -> ControllerNode | None:
+        potential = self._known(tree.potential, POTENTIALS, "potential")
+        effector = self._known(tree.effector.name, EFFECTORS, "effector transform")
+        sensor = self.sensor(tree.sensor.name)
+        moved = self._moved(tree.effector.resources)
+        sensed = self.sensed(tree.sensor.resources)
+        fits = potential is not None and self._fits(tree, potential, effector, sensor)
+        if potential is None or sensed is None:
+            return None
+        sound, reference = self._references.reference(tree.reference, potential, sensed, tree.span)
+        if not (fits and sound) or effector is None or sensor is None or moved is None:
+            return None
+        if sensor.per_contact and not moved.same_as(sensed):
+            self.complaints.error(
+                "resources-differ",
+                f"{potential.symbol} servoes each contact: effector and sensor need the same resources, found "
+                f"{moved.label} and {sensed.label}",
+                tree.sensor.resources.span,
+                f"write {sensor.symbol}({moved.label})",
+            )
+            return None
+        label = to_unicode(syntax.Controller(tree.potential, tree.effector, tree.sensor))
+        return ControllerNode(label, potential, effector, moved, sensor, sensed, reference)
+
+    def _fits(
+        self, tree: syntax.Controller, potential: Potential, effector: Effector | None, sensor: Sensor | None
+    ) -> bool:
+        fits = True
+        if sensor is not None and sensor.symbol not in potential.sensors:
+            self.complaints.error(
+                "wrong-sensor",
+                f"{potential.symbol} works on {potential.space.value}; {sensor.symbol} senses {sensor.space.value}",
+                tree.sensor.span,
+                f"use {listed(potential.sensors, 'or')}",
+            )
+            fits = False
+        if effector is not None and effector.symbol not in potential.effectors:
+            self.complaints.error(
+                "wrong-effector",
+                f"{effector.symbol} is no effector transform of {potential.symbol}: it moves {effector.about}",
+                tree.effector.span,
+                f"use {listed(potential.effectors, 'or')}",
+            )
+            fits = False
+        return fits
+
+    def sensor(self, name: syntax.Name) -> Sensor | None:
+        """The sensor transform of a name."""
+        return self._known(name, SENSORS, "sensor transform")
+
+    def sensed(self, resources: syntax.Resources) -> ContactSet | None:
+        """The resources of a sensor transform."""
+        return self._resources.resolve(resources)
+
+    def _moved(self, resources: syntax.Resources) -> ContactSet | None:
+        """The resources of an effector transform: gravity is not among what can be moved (Sec. 4.4.2)."""
+        if self._resources.has_gravity(resources):
+            self.complaints.error(
+                "gravity-effector",
+                "γ_g cannot be moved: gravity has no place in an effector transform",
+                resources.span,
+                "put γ_g in the sensor resources only",
+            )
+            return None
+        return self._resources.resolve(resources)
+
+    def _known(self, name: syntax.Name, table: Mapping[str, T], what: str) -> T | None:
+        found = table.get(name.text)
+        if found is None:
+            hint = known_names_hint(name.text, table, f"{what}s")
+            code = f"unknown-{what.split()[0]}"
+            self.complaints.error(code, f"there is no {what} {name.text}", name.span, hint)
+        return found

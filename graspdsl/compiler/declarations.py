@@ -1,0 +1,122 @@
+"""What a spec declares for its formulas, taken from the document as far as it can be read.
+
+The checker works on a faulty document too, so that faults of formulas are reported along with all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graspdsl.diagnostics import SourceText
+from graspdsl.notation.names import canonical
+from graspdsl.spec.constructing import Path
+from graspdsl.spec.document import Document
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A key and its text value, each with its places, and the path of the value."""
+
+    key: SourceText
+    value: SourceText
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseEntry:
+    """A phase's formula and which conditions end it."""
+
+    formula: SourceText
+    path: Path
+    conditions: Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Declarations:
+    """The scene's names, and the entries of ``resources``, ``controllers``, ``parameters`` and ``program``."""
+
+    hand: SourceText
+    mount: SourceText
+    world: SourceText
+    object: SourceText | None
+    resources: tuple[Entry, ...]
+    controllers: tuple[Entry, ...]
+    parameters: Mapping[str, tuple[float, ...]]
+    phases: tuple[PhaseEntry, ...]
+    document: Document | None = None
+
+
+def default_scene() -> Declarations:
+    """The scene of expressions outside a spec: the Barrett hand, γ1 the thumb, and Γ = {γ1, <γ2, γ3>}."""
+    resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
+    return Declarations(
+        hand=SourceText.of("barrett"),
+        mount=SourceText.of("gantry"),
+        world=SourceText.of("bullet"),
+        object=None,
+        resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
+        controllers=(),
+        parameters={"κ_f": (0.5,)},
+        phases=(),
+    )
+
+
+def declarations_of(document: Document) -> Declarations:
+    """What can be read of a document, whatever else is wrong with it."""
+    fallback = default_scene()
+    return Declarations(
+        hand=_text(document, ("scene", "hand")) or fallback.hand,
+        mount=_text(document, ("scene", "mount")) or fallback.mount,
+        world=_text(document, ("scene", "world")) or fallback.world,
+        object=_text(document, ("scene", "object")),
+        resources=_entries(document, "resources"),
+        controllers=_entries(document, "controllers"),
+        parameters=_parameters(document),
+        phases=_phases(document),
+        document=document,
+    )
+
+
+def _text(document: Document, path: Path) -> SourceText | None:
+    try:
+        return document.source_text(path) if isinstance(document.get(path), str) else None
+    except KeyError:
+        return None
+
+
+def _mapping(document: Document, key: str) -> Mapping[str, object]:
+    value = document.data.get(key)
+    return value if isinstance(value, dict) else {}
+
+
+def _entries(document: Document, section: str) -> tuple[Entry, ...]:
+    entries = []
+    for key, value in _mapping(document, section).items():
+        path: Path = (section, key, "is") if isinstance(value, dict) else (section, key)
+        text = _text(document, path)
+        if text is not None:
+            entries.append(Entry(document.key_source_text((section, key)), text, path))
+    return tuple(entries)
+
+
+def _parameters(document: Document) -> dict[str, tuple[float, ...]]:
+    found = {}
+    for key, value in _mapping(document, "parameters").items():
+        listed = value if isinstance(value, list) else [value]
+        numbers = [n for n in listed if isinstance(n, int | float) and not isinstance(n, bool)]
+        if len(numbers) == len(listed):
+            found[canonical(key)] = tuple(float(number) for number in numbers)
+    return found
+
+
+def _phases(document: Document) -> tuple[PhaseEntry, ...]:
+    program = document.data.get("program")
+    phases = []
+    for index, phase in enumerate(program if isinstance(program, list) else []):
+        path: Path = ("program", index, "run")
+        text = _text(document, path)
+        if text is not None and isinstance(phase, dict):
+            until = phase.get("until")
+            phases.append(PhaseEntry(text, path, until if isinstance(until, dict) else {}))
+    return tuple(phases)

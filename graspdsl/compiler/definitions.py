@@ -1,0 +1,161 @@
+"""Named controllers: the prelude's and the spec's own, and how a use of one becomes what it stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+import yaml
+
+import graspdsl.basis
+from graspdsl.compiler.complaints import Complaints, whole
+from graspdsl.compiler.declarations import Entry
+from graspdsl.diagnostics import DiagnosticError, Span
+from graspdsl.notation.parser import parse_expression, parse_head
+from graspdsl.notation.tree import (
+    Abbreviation,
+    Controller,
+    Expression,
+    Head,
+    Name,
+    Reference,
+    Resource,
+    Resources,
+    ResourceSet,
+    ScaledSensor,
+    SubjectTo,
+    Then,
+    Transform,
+    Vector,
+    Virtual,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """head ≡ body; ``equation`` is the chapter's number of it, empty for a user's own."""
+
+    head: Head
+    body: Expression
+    equation: str = ""
+    about: str = ""
+    in_prelude: bool = False
+
+
+@cache
+def prelude() -> Mapping[str, Definition]:
+    """The chapter's controllers by name."""
+    file = Path(graspdsl.basis.__path__[0], "prelude.yaml")
+    entries = yaml.safe_load(file.read_text("utf-8"))["controllers"]
+    definitions = [
+        Definition(parse_head(head), parse_expression(entry["is"]), entry["equation"], entry["about"], in_prelude=True)
+        for head, entry in entries.items()
+    ]
+    return {definition.head.name.text: definition for definition in definitions}
+
+
+def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[str, Definition]:
+    """The prelude and the spec's own definitions; complains about faulty, repeated and overriding ones."""
+    known = dict(prelude())
+    for entry in entries:
+        complaints.about(entry.path)
+        head: Head | None = None
+        body: Expression | None = None
+        try:
+            head = parse_head(entry.key)
+        except DiagnosticError as error:
+            complaints.take(error)
+        try:
+            body = parse_expression(entry.value)
+        except DiagnosticError as error:
+            complaints.take(error)
+        if head is None or body is None:
+            continue
+        name = head.name.text
+        if name in known:
+            where = f"in the prelude (Eq. {known[name].equation})" if known[name].in_prelude else "above"
+            complaints.error(
+                "controller-redefined", f"{name} is defined already, {where}", whole(entry.key), "choose another name"
+            )
+            continue
+        known[name] = Definition(head, body)
+    return known
+
+
+Bindings = Mapping[str, Resources | Reference]
+Tree = TypeVar("Tree", Name, Vector)
+
+
+def expanded(body: Expression, bindings: Bindings, span: Span) -> Expression:
+    """The body of a definition with arguments for its parameters; what the body itself wrote gets the span."""
+    return _Expansion(bindings, span).expression(body)
+
+
+class _Expansion:
+    def __init__(self, bindings: Bindings, span: Span) -> None:
+        self._bindings, self._span = bindings, span
+
+    def expression(self, tree: Expression) -> Expression:
+        match tree:
+            case Controller():
+                return Controller(
+                    self._placed(tree.potential),
+                    self._transform(tree.effector),
+                    self._transform(tree.sensor),
+                    self._reference(tree.reference),
+                    self._span,
+                )
+            case Abbreviation():
+                return Abbreviation(
+                    self._placed(tree.name),
+                    tuple(self._resources(argument) for argument in tree.effector),
+                    tuple(self._resources(argument) for argument in tree.sensor),
+                    self._reference(tree.reference),
+                    self._span,
+                )
+            case SubjectTo(terms):
+                return SubjectTo(tuple(self.expression(term) for term in terms), self._span)
+            case Then(steps):
+                return Then(tuple(self.expression(step) for step in steps), self._span)
+
+    def _placed(self, tree: Tree) -> Tree:
+        return replace(tree, span=self._span)
+
+    def _transform(self, tree: Transform) -> Transform:
+        return Transform(self._placed(tree.name), self._resources(tree.resources), self._span)
+
+    def _reference(self, tree: Reference | None) -> Reference | None:
+        match tree:
+            case None:
+                return None
+            case Name(text):
+                bound = self._bindings.get(text)
+                return self._placed(tree) if bound is None or isinstance(bound, Virtual | ResourceSet) else bound
+            case Vector():
+                return self._placed(tree)
+            case ScaledSensor(factor, sensor):
+                factor = self._placed(factor) if isinstance(factor, Name) else factor
+                return ScaledSensor(factor, self._transform(sensor), self._span)
+        return self.expression(tree)
+
+    def _resources(self, tree: Resources) -> Resources:
+        if isinstance(tree, ResourceSet):
+            return ResourceSet(self._members(tree.members), self._span)
+        if isinstance(tree, Virtual):
+            return self._virtual(tree)
+        bound = self._bindings.get(tree.text)
+        return bound if isinstance(bound, Name | Virtual | ResourceSet) else self._placed(tree)
+
+    def _virtual(self, tree: Virtual) -> Virtual:
+        return Virtual(self._members(tree.members), self._span)
+
+    def _members(self, members: Sequence[Resource]) -> tuple[Resource, ...]:
+        """Members with their arguments; a set given for a member brings its own members along."""
+        found: list[Resource] = []
+        for member in members:
+            given = self._resources(member)
+            found += given.members if isinstance(given, ResourceSet) else [given]
+        return tuple(found)

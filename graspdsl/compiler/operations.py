@@ -1,0 +1,123 @@
+"""The numerical steps between transforms: descent, projection, caps, approach. Leading axes are batches."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graspdsl.arrays import Array, Flags
+from graspdsl.basis.algebra import null_space_projector
+
+
+def transposed_times(jacobian: Array, vector: Array) -> Array:
+    """Jᵀ v for J (..., d, D) and v (..., d)."""
+    return np.asarray(np.einsum("...ij,...i->...j", jacobian, vector))
+
+
+def times(matrix: Array, vector: Array) -> Array:
+    """A v for A (..., d, D) and v (..., D)."""
+    return np.asarray(np.einsum("...ij,...j->...i", matrix, vector))
+
+
+def flat(rows: Array) -> Array:
+    """(..., m, 3) as (..., 3m)."""
+    return rows.reshape(*rows.shape[:-2], -1)
+
+
+def by_contact(vector: Array) -> Array:
+    """(..., 3m) as (..., m, 3)."""
+    return vector.reshape(*vector.shape[:-1], -1, 3)
+
+
+def stacked(*matrices: Array) -> Array:
+    """Matrices (..., d, D) on top of each other."""
+    return np.concatenate(matrices, axis=-2)
+
+
+def rows_of(mixing: Array, displacement: Array) -> Array:
+    """The displacements (..., m, 3) of the resources in a mixing matrix (m, k), from those of the contacts."""
+    return np.asarray(mixing @ by_contact(displacement))
+
+
+def shared(sharing: Array, jacobian: Array) -> Array:
+    """A Jacobian (..., d, 3k) by contacts that move together: sharing (k, k) has ones between them."""
+    return np.asarray(jacobian @ np.kron(sharing, np.eye(3)))
+
+
+def gated(displacement: Array, gate: Array) -> Array:
+    """The displacement (..., D) where the gate (...) is one, nothing where it is zero."""
+    return np.asarray(displacement * gate[..., None])
+
+
+def capped(cap: float, displacement: Array) -> Array:
+    """Contact displacements (..., 3k), all shortened alike so that no contact moves further than ``cap`` [m]."""
+    longest = np.sqrt(np.einsum("...ki,...ki->...k", by_contact(displacement), by_contact(displacement))).max(axis=-1)
+    return np.asarray(displacement / np.maximum(1.0, longest / cap)[..., None])
+
+
+def task_projector(*jacobians: Array) -> Array:
+    """The projector on the null space of all higher tasks at once: N of their stacked Jacobians."""
+    return null_space_projector(np.concatenate(jacobians, axis=-2))
+
+
+def gradient_projector(*gradients: Array) -> Array:
+    """The projector on the null space of all higher gradients at once, N(∇ᵀ) of Eq. 4.19.
+
+    A gradient that has all but vanished has no direction: it is left out of the projector.
+    """
+    rows = np.stack(gradients, axis=-2)
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
+    return null_space_projector(np.where(lengths > VANISHED, rows / np.maximum(lengths, VANISHED), 0.0))
+
+
+VANISHED = 1e-9  # of a displacement [m, or rad over a weight] a tick
+
+
+def leak(higher: Array, lower: Array) -> Array:
+    """How much of a projected lower displacement (..., D) a higher task or gradient (..., d, D) still feels.
+
+    ‖J δ‖ / (‖J‖ ‖δ‖), 0 for perfect priority and at most 1; 0 where nothing moves.
+    """
+    felt = np.linalg.norm(times(higher, lower), axis=-1)
+    scale = np.linalg.norm(higher, axis=(-2, -1)) * np.linalg.norm(lower, axis=-1)
+    return np.asarray(np.where(scale > 0.0, felt / np.where(scale > 0.0, scale, 1.0), 0.0))
+
+
+def gradient_leak(higher: Array, lower: Array) -> Array:
+    """The leak into a single higher gradient (..., D)."""
+    return leak(higher[..., None, :], lower)
+
+
+def pressing(admittance: float, fastest: float, error: Array, touching: Array) -> Array:
+    """Displacements (..., m, 3) [m a tick] into the surface for force errors (..., m, 3) [N].
+
+    admittance [m/N a tick] times the error, no more than ``fastest``; nothing for a contact that does not touch.
+    """
+    step = admittance * error
+    length = np.linalg.norm(step, axis=-1, keepdims=True)
+    limited = step / np.maximum(1.0, length / fastest)
+    return np.asarray(np.where(touching[..., None] >= 1.0, limited, 0.0))
+
+
+def approach(fingers: Array, distance: float, jacobian: Array, normals: Array, touching: Flags) -> Array:
+    """Joint displacement (..., n) that brings contacts which do not touch nearer by ``distance`` [m a tick].
+
+    Each uses the joints of its own finger alone, fingers (k, n), along its last or predicted normal, so that the rest
+    of the hand keeps still. A finger that can hardly move that way is not driven fast.
+    """
+    into = np.einsum("...ki,...kij->...kj", normals, jacobian) * fingers
+    reach = np.einsum("...kj,...kj->...k", into, into)
+    rate = np.where(touching, 0.0, distance / np.maximum(reach, SHORT_REACH))
+    return np.asarray(np.einsum("...k,...kj->...j", rate, into))
+
+
+SHORT_REACH = 0.05  # squared motion along the normal for a unit of the scaled finger joints
+
+
+def all_touch(contacts: Array, touching: Flags) -> Array:
+    """1.0 where every contact of a set touches, else 0.0, (...); contacts: (k,), nonzero for members of the set."""
+    return np.asarray(np.all(touching | (contacts == 0.0), axis=-1), dtype=float)
+
+
+def row_touches(mixing: Array, touching: Flags) -> Array:
+    """(..., m): 1.0 for each row of the mixing matrix (m, k) whose contacts all touch."""
+    return np.asarray(np.all(touching[..., None, :] | (mixing == 0.0), axis=-1), dtype=float)

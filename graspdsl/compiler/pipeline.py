@@ -1,0 +1,123 @@
+"""The pipeline: a flat list of numerical steps that turns one observation into one command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.worlds.protocol import Command, Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step: a label as the notation writes it, what it computes, its function and the steps it reads."""
+
+    label: str
+    about: str
+    function: Callable[..., Array]
+    inputs: tuple[int, ...] = ()
+    reading: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Leak:
+    """Where the pipeline measures how much of a lower level reaches a higher one (the priority certificate)."""
+
+    lower: str
+    higher: str
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """What the pipeline made of one observation. ``residuals`` in the order of Pipeline.residuals."""
+
+    command: Command
+    force_residual: Array
+    moment_residual: Array
+    leaks: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pipeline:
+    """A compiled controller. ``evaluate`` is pure: the same observation gives the same command.
+
+    ``command`` is the step whose value is the displacement; ``force_residual`` and ``moment_residual`` the steps of the
+    sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources.
+    """
+
+    steps: tuple[Step, ...]
+    command: int
+    space: str
+    force_residual: int
+    moment_residual: int
+    leaks: tuple[Leak, ...]
+
+    def values(self, observation: Observation) -> list[Array]:
+        """The value of every step for an observation, in the order of the steps."""
+        values: list[Array] = []
+        for step in self.steps:
+            if step.reading is not None:
+                values.append(getattr(observation, step.reading))
+            else:
+                values.append(step.function(*[values[i] for i in step.inputs]))
+        return values
+
+    def evaluate(self, observation: Observation) -> Tick:
+        """One tick: the command, the sensed residuals and the leaks."""
+        values = self.values(observation)
+        return Tick(
+            command=Command(self.space, values[self.command]),
+            force_residual=values[self.force_residual],
+            moment_residual=values[self.moment_residual],
+            leaks=tuple(float(values[leak.step]) for leak in self.leaks),
+        )
+
+
+@dataclass(slots=True)
+class PipelineBuilder:
+    """Collects steps, each once: a step that does the same with the same inputs as an earlier one is that step."""
+
+    steps: list[Step] = field(default_factory=list)
+    _known: dict[Hashable, int] = field(default_factory=dict)
+
+    def read(self, name: str, about: str) -> int:
+        """The step that reads a field of the observation."""
+        return self._add(("read", name), Step(name, about, _nothing, reading=name))
+
+    def constant(self, label: str, about: str, value: Array) -> int:
+        """The step that gives a fixed array."""
+        return self._add(_fingerprint(value), Step(label, about, partial(_same, value)))
+
+    def apply(self, label: str, about: str, function: Callable[..., Array], *inputs: int) -> int:
+        """The step that applies a function, or a partial of one, to the values of earlier steps."""
+        return self._add((_fingerprint(function), inputs), Step(label, about, function, inputs))
+
+    def _add(self, key: Hashable, step: Step) -> int:
+        if key not in self._known:
+            self._known[key] = len(self.steps)
+            self.steps.append(step)
+        return self._known[key]
+
+
+def _nothing() -> Array:
+    return np.zeros(0)
+
+
+def _same(value: Array) -> Array:
+    return value
+
+
+def _fingerprint(value: object) -> Hashable:
+    """Equal for functions that do the same: partials are told apart by what they fix, arrays by their numbers."""
+    if isinstance(value, partial):
+        fixed = [_fingerprint(argument) for argument in (*value.args, *value.keywords.values())]
+        return (value.func, *value.keywords, *fixed)
+    if isinstance(value, np.ndarray):
+        return (value.shape, value.tobytes())
+    assert isinstance(value, Hashable)
+    return value

@@ -1,0 +1,165 @@
+"""The check of references: does what a controller strives for lie in its task space, and is it of the right size."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.sensors import SENSORS
+from graspdsl.basis.spaces import DISPLACES
+from graspdsl.compiler.graph import ControllerReference, Reference, SensorReference, VectorReference
+from graspdsl.diagnostics import Span, known_names_hint, listed
+from graspdsl.notation import tree as syntax
+from graspdsl.notation.printer import to_unicode
+
+if TYPE_CHECKING:
+    from graspdsl.basis.potentials import Potential
+    from graspdsl.compiler.check import Checker
+
+
+class ReferenceCheck:
+    """Checks the references of one spec's controllers."""
+
+    def __init__(self, checker: Checker, parameters: Mapping[str, tuple[float, ...]]) -> None:
+        self._checker, self._complaints, self._parameters = checker, checker.complaints, parameters
+
+    def reference(
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet, span: Span
+    ) -> tuple[bool, Reference | None]:
+        """Whether the reference is sound, and what it is."""
+        if not potential.references:
+            if tree is None:
+                return True, None
+            self._complaints.error(
+                "unexpected-reference",
+                f"{potential.symbol} strives for zero and takes no reference",
+                tree.span,
+                "leave the reference out",
+            )
+            return False, None
+        found = self._found(tree, potential, resources, span)
+        return found is not None, found
+
+    def _found(
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet, span: Span
+    ) -> Reference | None:
+        match tree:
+            case None:
+                self._complaints.error(
+                    "missing-reference",
+                    f"{potential.symbol} needs a reference in its task space, {potential.space.value}",
+                    span,
+                    f"write it in brackets after the sensor transform: a vector, a parameter, or one made of "
+                    f"{listed(potential.references, 'or')}",
+                )
+                return None
+            case syntax.Vector(values):
+                return self._vector(values, to_unicode_vector(values), potential, resources, tree.span)
+            case syntax.Name(text):
+                given = self._parameter(tree)
+                return None if given is None else self._vector(given, text, potential, resources, tree.span)
+            case syntax.ScaledSensor():
+                return self._scaled(tree, potential, resources)
+        return self._controller(tree, potential)
+
+    def _parameter(self, name: syntax.Name) -> tuple[float, ...] | None:
+        values = self._parameters.get(name.text)
+        if values is None:
+            self._complaints.error(
+                "missing-parameter",
+                f"the parameter {name.text} is not given",
+                name.span,
+                f"add 'parameters: {{{name.text}: …}}'"
+                if not self._parameters
+                else known_names_hint(name.text, self._parameters, "parameters"),
+            )
+        return values
+
+    def _vector(
+        self, values: tuple[float, ...], label: str, potential: Potential, resources: ContactSet, span: Span
+    ) -> VectorReference | None:
+        wanted = 3 * len(resources.members)
+        if len(values) != wanted:
+            count = len(resources.members)
+            self._complaints.error(
+                "wrong-size",
+                f"the reference of {potential.symbol} over {count} resource{'s' if count != 1 else ''} has {wanted} "
+                f"numbers, {label} has {len(values)}",
+                span,
+                "give x, y and z for each resource, in their order",
+            )
+            return None
+        return VectorReference(label, values)
+
+    def _scaled(self, tree: syntax.ScaledSensor, potential: Potential, resources: ContactSet) -> SensorReference | None:
+        factor: float | None = 1.0
+        if isinstance(tree.factor, syntax.Name):
+            values = self._parameter(tree.factor)
+            factor = values[0] if values and len(values) == 1 else None
+            if values and len(values) != 1:
+                self._complaints.error(
+                    "wrong-size",
+                    f"{tree.factor.text} scales a sensor and must be one number, it has {len(values)}",
+                    tree.factor.span,
+                    f"give one number, {tree.factor.text}: {values[0]:g}",
+                )
+        elif tree.factor is not None:
+            factor = tree.factor
+        sensor = self._checker.sensor(tree.sensor.name)
+        set_of_reference = self._checker.sensed(tree.sensor.resources)
+        if sensor is None or set_of_reference is None or factor is None:
+            return None
+        if sensor.symbol not in potential.references:
+            self._complaints.error(
+                "wrong-reference",
+                f"{potential.symbol} needs a reference in {potential.space.value}; {sensor.symbol} gives "
+                f"{sensor.space.value}",
+                tree.span,
+                f"use {listed(potential.references, 'or')}",
+            )
+            return None
+        if [len(m.weights) for m in set_of_reference.members] != [len(m.weights) for m in resources.members]:
+            self._complaints.error(
+                "wrong-size",
+                f"the reference is over {set_of_reference.label}, the controller over {resources.label}",
+                tree.span,
+                "use the same resources in both",
+            )
+            return None
+        return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference)
+
+    def _controller(self, tree: syntax.Expression, potential: Potential) -> ControllerReference | None:
+        graph = self._checker.expression(tree)
+        if graph is None:
+            return None
+        space = graph.gradient_space
+        if DISPLACES.get(space) is not potential.space:
+            fitting = [gradient.about for gradient, task in DISPLACES.items() if task is potential.space]
+            self._complaints.error(
+                "wrong-reference",
+                f"{potential.symbol} needs a reference in {potential.space.value}; this one is a gradient in "
+                f"{space.value}, {space.about}",
+                tree.span,
+                f"use a controller whose gradient is in {listed(fitting, 'or')}, as π_gx is"
+                if fitting
+                else "no controller makes such a reference",
+            )
+            return None
+        return ControllerReference(graph)
+
+
+def to_unicode_vector(values: tuple[float, ...]) -> str:
+    """A vector as a formula writes it."""
+    return f"({', '.join(f'{value:g}' for value in values)})"
+
+
+def to_unicode_scaled(tree: syntax.ScaledSensor) -> str:
+    """A scaled sensor as a formula writes it."""
+    sensor = f"{tree.sensor.name.text}({to_unicode(tree.sensor.resources)})"
+    match tree.factor:
+        case None:
+            return sensor
+        case syntax.Name(text):
+            return f"{text} {sensor}"
+    return f"{tree.factor:g} {sensor}"

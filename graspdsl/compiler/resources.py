@@ -1,0 +1,201 @@
+"""Names of resources → weights over the hand's contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from graspdsl.basis.resources import ContactResource, ContactSet
+from graspdsl.compiler.complaints import Complaints, whole
+from graspdsl.compiler.declarations import Entry
+from graspdsl.diagnostics import DiagnosticError, Span, known_names_hint
+from graspdsl.hands.descriptions import Robot
+from graspdsl.notation.names import canonical
+from graspdsl.notation.parser import parse_resources
+from graspdsl.notation.printer import to_unicode
+from graspdsl.notation.tree import Name, Resource, Resources, ResourceSet, Virtual
+from graspdsl.spec.constructing import Path
+
+GRAVITY = "γ_g"
+
+
+@dataclass(frozen=True, slots=True)
+class _Declared:
+    meaning: int | Resources
+    place: Span
+    path: Path
+
+
+class ResourceTable:
+    """The resources that a spec declares over a robot's contacts."""
+
+    def __init__(self, entries: Sequence[Entry], robot: Robot, complaints: Complaints) -> None:
+        self._robot, self._complaints = robot, complaints
+        self._declared: dict[str, _Declared] = {}
+        self._open: list[str] = []
+        for entry in entries:
+            complaints.about(entry.path)
+            self._declare(entry)
+        for name, declared in self._declared.items():
+            if not isinstance(declared.meaning, int):
+                complaints.about(declared.path)
+                self._members(Name(name, declared.place))
+
+    def _declare(self, entry: Entry) -> None:
+        name = canonical(entry.key.text)
+        if name == GRAVITY:
+            self._complaints.error(
+                "reserved-name", "γ_g is gravity and cannot be declared", whole(entry.key), "choose another name"
+            )
+        elif name in self._declared:
+            self._complaints.error(
+                "declared-twice", f"{name} is declared twice, in two spellings", whole(entry.key), "keep one of them"
+            )
+        else:
+            meaning = self._meaning(entry)
+            if meaning is not None:
+                self._declared[name] = _Declared(meaning, whole(entry.value), entry.path)
+
+    def _meaning(self, entry: Entry) -> int | Resources | None:
+        contacts = self._robot.contacts
+        if entry.value.text in contacts:
+            return contacts.index(entry.value.text)
+        if entry.value.text.lstrip()[:1] in {"{", "<", "⟨", "〈"} or canonical(entry.value.text)[:1] in {"γ", "Γ"}:
+            try:
+                return parse_resources(entry.value)
+            except DiagnosticError as error:
+                self._complaints.take(error)
+                return None
+        self._complaints.error(
+            "unknown-contact",
+            f"the hand {self._robot.hand.hand} has no contact {entry.value.text!r}",
+            whole(entry.value),
+            known_names_hint(entry.value.text, contacts, "contacts"),
+        )
+        return None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The declared names."""
+        return tuple(self._declared)
+
+    def resolve(self, tree: Resources) -> ContactSet | None:
+        """The set that a resource expression means; None after a complaint."""
+        members = self._members(tree)
+        if members is None:
+            return None
+        return ContactSet(to_unicode(tree), members, len(self._robot.contacts))
+
+    def has_gravity(self, tree: Resources) -> bool:
+        """Whether γ_g is somewhere in a resource expression."""
+        if isinstance(tree, Name):
+            declared = self._declared.get(tree.text)
+            if declared is None or isinstance(declared.meaning, int) or tree.text in self._open:
+                return tree.text == GRAVITY
+            self._open.append(tree.text)
+            found = self.has_gravity(declared.meaning)
+            self._open.pop()
+            return found
+        return any(self.has_gravity(member) for member in tree.members)
+
+    def _members(self, tree: Resources) -> tuple[ContactResource, ...] | None:
+        if isinstance(tree, ResourceSet):
+            if not tree.members:
+                self._complaints.error(
+                    "empty-set", "a set without resources", tree.span, "name at least one resource, {γ1}"
+                )
+                return None
+            return self._each(tree.members)
+        if isinstance(tree, Name):
+            declared = self._declared.get(tree.text)
+            if declared is not None and isinstance(declared.meaning, ResourceSet):
+                return self._inside(tree, declared)
+        single = self._single(tree)
+        return None if single is None else (single,)
+
+    def _each(self, trees: Sequence[Resource]) -> tuple[ContactResource, ...] | None:
+        members = [self._single(tree) for tree in trees]
+        complete = [member for member in members if member is not None]
+        if len(complete) < len(members):
+            return None
+        seen: dict[tuple[tuple[int, float], ...], str] = {}
+        for tree, member in zip(trees, complete, strict=True):
+            if member.weights in seen:
+                self._complaints.error(
+                    "repeated-member", f"{member.label} is in the set twice", tree.span, "leave one of them out"
+                )
+                return None
+            seen[member.weights] = member.label
+        return tuple(complete)
+
+    def _inside(self, name: Name, declared: _Declared) -> tuple[ContactResource, ...] | None:
+        """The members behind a declared name, with the cycle that leads back to it caught."""
+        if name.text in self._open:
+            cycle = " → ".join([*self._open[self._open.index(name.text) :], name.text])
+            self._complaints.error(
+                "resource-cycle", f"{name.text} is declared by itself: {cycle}", name.span, "declare it by contacts"
+            )
+            return None
+        self._open.append(name.text)
+        assert not isinstance(declared.meaning, int)
+        found = self._members(declared.meaning)
+        self._open.pop()
+        return found
+
+    def _single(self, tree: Resource) -> ContactResource | None:
+        if isinstance(tree, Virtual):
+            return self._virtual(tree)
+        if tree.text == GRAVITY:
+            self._complaints.error(
+                "gravity-not-sensed",
+                "γ_g has no place here: this world does not sense where the object's centre of mass is",
+                tree.span,
+                "leave γ_g out",
+            )
+            return None
+        declared = self._declared.get(tree.text)
+        if declared is None:
+            self._complaints.error(
+                "unknown-resource",
+                f"there is no resource {tree.text}",
+                tree.span,
+                known_names_hint(tree.text, self._declared, "resources"),
+            )
+            return None
+        if isinstance(declared.meaning, int):
+            return ContactResource(tree.text, ((declared.meaning, 1.0),))
+        if isinstance(declared.meaning, ResourceSet):
+            self._complaints.error(
+                "set-in-set",
+                f"{tree.text} is a set; a member must be a contact or a virtual contact",
+                tree.span,
+                f"to make the contacts of {tree.text} act as one, write them in < >",
+            )
+            return None
+        members = self._inside(tree, declared)
+        return None if members is None else ContactResource(tree.text, members[0].weights)
+
+    def _virtual(self, tree: Virtual) -> ContactResource | None:
+        if len(tree.members) < 2:
+            empty = not tree.members
+            self._complaints.error(
+                "empty-virtual-contact" if empty else "single-virtual-contact",
+                f"a virtual contact {'without members' if empty else 'with one member'}",
+                tree.span,
+                "a virtual contact joins at least two contacts, <γ2, γ3>",
+            )
+            return None
+        members = self._each(tree.members)
+        if members is None:
+            return None
+        shares: dict[int, float] = {}
+        for member in members:
+            for contact, weight in member.weights:
+                if contact in shares:
+                    name = self._robot.contacts[contact]
+                    self._complaints.error(
+                        "repeated-member", f"{name} is in the virtual contact twice", tree.span, "name it once"
+                    )
+                    return None
+                shares[contact] = weight / len(members)
+        return ContactResource(to_unicode(tree), tuple(sorted(shares.items())))

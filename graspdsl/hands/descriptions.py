@@ -1,0 +1,124 @@
+"""Hand and mount descriptions: what a robot has (contacts, joints, joint sets), without any simulator.
+
+A hand is a YAML file beside its URDF. Everything the checker, the compiler and the worlds know about a hand stands
+there, so that nothing in the code knows the Barrett hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
+
+HERE = Path(__file__).parent
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Joint(_Frozen):
+    """An actuated joint. ``weight`` [m or rad per m] scales it in gradient space: about one over its lever."""
+
+    weight: float = Field(gt=0)
+    closes: int = Field(0, ge=-1, le=1, description="sign of the motion that closes the hand; 0: it does not")
+
+
+class Coupling(_Frozen):
+    """A joint that follows an actuated one: angle = ratio · angle of ``follows``."""
+
+    follows: str
+    ratio: float
+
+
+class Contact(_Frozen):
+    """A fingertip: its link, the load cell's fixed joint before it, its sphere in the link's frame [m]."""
+
+    link: str
+    cell: str
+    centre: tuple[float, float, float]
+    radius: float = Field(gt=0)
+    finger: tuple[str, ...] = Field(description="the joints of its own finger, which open and close it")
+
+
+class Hand(_Frozen):
+    """A hand description file."""
+
+    hand: str
+    about: str = ""
+    urdf: str
+    root: str
+    palm: str
+    palm_surface: float = Field(description="m ahead of the mounting face, along its z axis")
+    joints: dict[str, Joint]
+    couplings: dict[str, Coupling] = {}
+    contacts: dict[str, Contact]
+    joint_sets: dict[str, tuple[str, ...]] = {}
+    postures: dict[str, dict[str, float]]
+
+
+class Mount(_Frozen):
+    """A mount description file: what carries the hand."""
+
+    mount: str
+    about: str = ""
+    urdf: str
+    face: str
+    joints: dict[str, Joint]
+    joint_sets: dict[str, tuple[str, ...]] = {}
+
+
+class Robot(_Frozen):
+    """A hand on a mount: the joints of both in command order, mount first."""
+
+    hand: Hand
+    mount: Mount
+
+    @property
+    def joints(self) -> Mapping[str, Joint]:
+        """Actuated joints in command order."""
+        return {**self.mount.joints, **self.hand.joints}
+
+    @property
+    def joint_sets(self) -> Mapping[str, tuple[str, ...]]:
+        """Named joint sets of the mount and the hand, each single joint, and ``all``."""
+        single = {name: (name,) for name in self.joints}
+        return {**single, **self.mount.joint_sets, **self.hand.joint_sets, "all": tuple(self.joints)}
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """Contact names in sensing order."""
+        return tuple(self.hand.contacts)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """The joints' weights in command order."""
+        return tuple(joint.weight for joint in self.joints.values())
+
+
+def _catalogue(kind: str) -> Iterator[tuple[str, object]]:
+    for path in sorted(HERE.glob("*.yaml")):
+        document = yaml.safe_load(path.read_text("utf-8"))
+        if kind in document:
+            yield document[kind], document
+
+
+@cache
+def hands() -> Mapping[str, Hand]:
+    """The catalogue of hands, by name."""
+    return {name: Hand.model_validate(document) for name, document in _catalogue("hand")}
+
+
+@cache
+def mounts() -> Mapping[str, Mount]:
+    """The catalogue of mounts, by name."""
+    return {name: Mount.model_validate(document) for name, document in _catalogue("mount")}
+
+
+@cache
+def robot(hand: str, mount: str) -> Robot:
+    """The named hand on the named mount. Raises KeyError for a name that is not in the catalogue."""
+    return Robot(hand=hands()[hand], mount=mounts()[mount])

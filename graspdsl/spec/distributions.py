@@ -1,0 +1,97 @@
+"""A number that may differ from trial to trial: fixed, or drawn from a distribution."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field, model_validator
+
+from graspdsl.spec.fields import Model, Number, Unit, exactly, fault, form, forms, is_number
+from graspdsl.spec.wording import as_yaml
+
+
+class Uniform(Model):
+    """Any number between two ends, each as likely as the others."""
+
+    uniform: Annotated[tuple[Number, Number], exactly(2, "[low, high]: two numbers")] = Field(
+        description="[low, high], in the unit of the field"
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Uniform:
+        low, high = self.uniform
+        if low > high:
+            message = f"the low end {as_yaml(low)} is above the high end {as_yaml(high)}"
+            raise fault("out-of-range", message, f"write [{as_yaml(high)}, {as_yaml(low)}]")
+        return self
+
+
+class Normal(Model):
+    """A normal distribution."""
+
+    normal: Annotated[tuple[Number, Number], exactly(2, "[mean, sd]: two numbers")] = Field(
+        description="[mean, standard deviation], in the unit of the field"
+    )
+
+    @model_validator(mode="after")
+    def _spread(self) -> Normal:
+        if self.normal[1] < 0:
+            message = f"the standard deviation {as_yaml(self.normal[1])} is below 0"
+            raise fault("out-of-range", message, "write [mean, sd]")
+        return self
+
+
+class Choice(Model):
+    """One of some numbers, each as likely as the others."""
+
+    choice: tuple[Number, ...] = Field(min_length=1, description="the numbers to choose from, in the unit of the field")
+
+
+def _form_of(value: Any) -> str | None:
+    if is_number(value):
+        return "number"
+    if isinstance(value, Uniform | Normal | Choice):
+        return type(value).__name__.lower()
+    if isinstance(value, dict):
+        named = [name for name in ("uniform", "normal", "choice") if name in value]
+        return named[0] if len(named) == 1 else None
+    return None
+
+
+EXPECTED = "a number, {uniform: [low, high]}, {normal: [mean, sd]} or {choice: [a, b, …]}"
+
+Distribution = Annotated[
+    Annotated[Number, form("number")]
+    | Annotated[Uniform, form("uniform")]
+    | Annotated[Normal, form("normal")]
+    | Annotated[Choice, form("choice")],
+    forms(EXPECTED, _form_of),
+]
+
+
+def _numbers(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
+    """The numbers that must lie inside the bounds of a field."""
+    if isinstance(value, Uniform):
+        return value.uniform
+    if isinstance(value, Normal):
+        return value.normal[:1]
+    return value.choice if isinstance(value, Choice) else (value,)
+
+
+def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
+    def check(value: float | Uniform | Normal | Choice) -> float | Uniform | Normal | Choice:
+        for number in _numbers(value):
+            if not low <= number <= high:
+                message = f"expected numbers from {low:g} to {high:g} ({unit}), found {as_yaml(number)}"
+                raise fault("out-of-range", message, hint)
+        return value
+
+    return AfterValidator(check)
+
+
+_TURN = 2 * math.pi
+
+Angle = Annotated[Distribution, Unit("rad"), _between(-_TURN, _TURN, "rad", "angles are in radians")]
+Length = Annotated[Distribution, Unit("m"), _between(-2.0, 2.0, "m", "lengths are in metres")]
+Gap = Annotated[Distribution, Unit("m"), _between(0.0, 2.0, "m", "lengths are in metres")]

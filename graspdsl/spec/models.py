@@ -1,0 +1,103 @@
+"""The spec: everything a run is made from."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+
+from graspdsl.spec.fields import Model, Number, fault, form, forms, is_number
+from graspdsl.spec.program import Control, Phase
+from graspdsl.spec.scene import Scene
+from graspdsl.spec.trials import Trials
+from graspdsl.spec.wording import shown
+
+
+def _version(value: Any) -> Any:
+    # True and 1.0 equal 1, but a version is written 1.
+    if type(value) is not int or value != 1:
+        raise fault("wrong-version", f"expected 1, the version of the spec's format, found {shown(value)}", "write 1")
+    return value
+
+
+def _folder_name(name: str) -> str:
+    """A name becomes part of a folder's name, on any system."""
+    if not re.fullmatch(r"[^\W_](?:[\w.-]{0,58}\w)?", name):
+        slug = re.sub(r"[^\w.-]+", "-", name).strip("-_.")[:60].rstrip("-_.")
+        message = f"expected a name of up to 60 letters, digits, '-', '_' and '.', found {shown(name)}"
+        raise fault("bad-name", message, f"write {slug}" if slug else "for example towel-roll-two-contacts")
+    return name
+
+
+class ControllerDefinition(Model):
+    """A controller of the user's own, with where it comes from."""
+
+    model_config = ConfigDict(serialize_by_alias=True)
+
+    body: str = Field(alias="is", min_length=1, description="what the name stands for: a formula", examples=["π_s|Γ Γ"])
+    equation: str = Field(default="", description="the number of its equation in the literature")
+    about: str = Field(default="", description="what it is for")
+
+
+def _definition_form(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "body"
+    return "definition" if isinstance(value, dict | ControllerDefinition) else None
+
+
+def _parameter_form(value: Any) -> str | None:
+    if is_number(value):
+        return "number"
+    return "list" if isinstance(value, list | tuple) else None
+
+
+ControllerEntry = Annotated[
+    Annotated[str, Field(min_length=1), form("body")] | Annotated[ControllerDefinition, form("definition")],
+    forms('a formula, or {is: a formula, equation: "4.30", about: …}', _definition_form),
+]
+Parameter = Annotated[
+    Annotated[Number, form("number")] | Annotated[tuple[Number, ...], Field(min_length=1), form("list")],
+    forms("a number or a list of numbers", _parameter_form),
+]
+Grade = Literal["force-closure", "ferrari-canny", "lift", "shake"]
+
+
+class Spec(Model):
+    """A grasp controller, the scene it runs in, and the trials it is judged by."""
+
+    graspdsl: Annotated[Literal[1], BeforeValidator(_version)] = Field(
+        description="the version of this format", examples=[1]
+    )
+    name: Annotated[str, AfterValidator(_folder_name)] = Field(
+        description="a short name, also of the folder of results", examples=["towel-roll-two-contacts"]
+    )
+    about: str = Field(default="", description="what the spec is for")
+    scene: Scene = Field(
+        description="the world, the hand and the object", examples=[{"world": "bullet", "object": "towel-roll"}]
+    )
+    resources: dict[str, str] = Field(
+        description="names of contacts and of sets of them",
+        examples=[{"γ1": "finger-3", "γ2": "finger-1", "Γ": "{γ1, γ2}"}],
+    )
+    parameters: dict[str, Parameter] = Field(
+        default={}, description="numbers and vectors that formulas use by name, in the unit their place asks for"
+    )
+    controllers: dict[str, ControllerEntry] = Field(
+        default={}, description="controllers of your own: 'π_mine|Γ_τ Γ_σ' and what it stands for"
+    )
+    program: tuple[Phase, ...] = Field(
+        min_length=1,
+        description="the phases of a trial, in their order",
+        examples=[[{"run": "π_close|Γ Γ", "until": {"contact": "all"}}]],
+    )
+    control: Control = Field(default=Control(), description="how gradients become motion")
+    evaluate: tuple[Grade, ...] = Field(default=(), description="how the final grasps are graded")
+    trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
+
+    def definitions(self) -> dict[str, ControllerDefinition]:
+        """The user's own controllers by their heads, all in the long form."""
+        return {
+            head: ControllerDefinition.model_validate({"is": entry}) if isinstance(entry, str) else entry
+            for head, entry in self.controllers.items()
+        }

@@ -1,0 +1,80 @@
+"""Values given on the command line instead of in the file: ``--set scene.friction=0.6``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.spec.constructing import Path
+from graspdsl.spec.document import Document, parse_value
+from graspdsl.spec.files import SIZE_LIMIT
+from graspdsl.spec.positions import Lines
+from graspdsl.spec.wording import Data, shortened, shown
+
+
+def apply_overrides(document: Document, overrides: Sequence[str]) -> tuple[Document, list[Diagnostic]]:
+    """The document with the overrides applied in their order, and what is wrong with those that could not be.
+
+    An override is ``dotted.path=YAML value``. A number names an item of a list, from 0; a mapping that the file
+    leaves out is added.
+    """
+    faults: list[Diagnostic] = []
+    for override in overrides:
+        try:
+            document = _applied(document, override)
+        except DiagnosticError as error:
+            faults += error.diagnostics
+    return document, faults
+
+
+def _refused(origin: str, code: str, message: str, hint: str | None) -> DiagnosticError:
+    return DiagnosticError([Diagnostic(code, f"{origin}: {message}", None, hint)])
+
+
+def _applied(document: Document, override: str) -> Document:
+    origin = f"in --set {shortened(override)}"
+    dotted, equals, text = override.partition("=")
+    names = dotted.strip().split(".")
+    if not equals or not all(names):
+        raise _refused(origin, "bad-override", "expected path=value", "for example --set scene.friction=0.6")
+    value = _value(text, origin)
+    path: Path = ()
+    at: Data = document.data
+    for position, name in enumerate(names):
+        if isinstance(at, list):
+            if not (name.isdecimal() and int(name[:9]) < len(at)):
+                message = f"{_said(path)} is a list of {len(at)}, and {shortened(name)!r} is no number of an item in it"
+                hint = f"items are numbered from 0 to {len(at) - 1}" if at else None
+                raise _refused(origin, "unknown-path", message, hint)
+            path = (*path, int(name))
+            at = at[int(name)]
+        elif isinstance(at, dict):
+            path = (*path, name)
+            if name not in at and position < len(names) - 1:
+                document = document.with_value(path, {}, origin)
+                at = {}
+            else:
+                at = at.get(name)
+        else:
+            hint = known_names_hint(names[0], document.data, "keys") if not path else None
+            message = f"{_said(path)} is {shown(at)}, which has nothing inside"
+            raise _refused(origin, "unknown-path", message, hint)
+    return document.with_value(path, value, origin)
+
+
+def _said(path: Path) -> str:
+    return repr(shortened(".".join(str(step) for step in path)))
+
+
+def _value(text: str, origin: str) -> Data:
+    if len(text) > SIZE_LIMIT:
+        raise _refused(origin, "file-too-large", "the value is too long", None)
+    try:
+        value, _, faults = parse_value(Lines(text))
+    except DiagnosticError as error:
+        found = error.diagnostics
+    else:
+        found = tuple(fault for _, fault in faults)
+    if found:
+        raise DiagnosticError([Diagnostic(d.code, f"{origin}: {d.message}", None, d.hint) for d in found])
+    return value

@@ -1,0 +1,120 @@
+"""What a trial writes down tick by tick, and the numbers its record takes from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from graspdsl.arrays import Array, Float32Array
+from graspdsl.basis.resources import ContactSet
+from graspdsl.compiler.pipeline import Tick
+from graspdsl.trials.measures import GraspMeasure, measure, sensing_errors, true_contacts
+from graspdsl.worlds.protocol import Observation, Truth
+
+LEAK_WORTH_COUNTING = 1e-6
+
+
+@dataclass(slots=True)
+class Logbook:
+    """The trajectory of one trial and its running numbers."""
+
+    origin: Array
+    rows: dict[str, list[Float32Array]] = field(default_factory=dict)
+    measures: list[GraspMeasure] = field(default_factory=list)
+    first_touch: int | None = None
+    held_since: int | None = None
+    shift: float = 0.0
+    lean: float = 0.0
+    contact_forces: tuple[float, ...] = ()
+    largest_leak: float = 0.0
+    leaking_ticks: int = 0
+    _point_errors: list[Array] = field(default_factory=list)
+    _normal_errors: list[Array] = field(default_factory=list)
+
+    def write(self, phase: int, grasp: ContactSet, observation: Observation, truth: Truth, tick: Tick) -> GraspMeasure:
+        """Write one tick down; returns the measure of the grasp."""
+        now = measure(observation, truth, grasp)
+        points, normals = true_contacts(observation, truth)
+        if self.first_touch is None and observation.touching[list(grasp.contacts)].all():
+            self.first_touch = len(self.measures)
+        self.measures.append(now)
+        self.shift = float(np.linalg.norm(truth.object_position - self.origin))
+        self.lean = truth.object_lean
+        forces = np.einsum("ki,ki->k", np.nan_to_num(truth.forces), normals)
+        self.contact_forces = tuple(float(forces[contact]) for contact in grasp.contacts)
+        leak = max(tick.leaks, default=0.0)
+        self.largest_leak = max(self.largest_leak, leak)
+        self.leaking_ticks += leak > LEAK_WORTH_COUNTING
+        point_error, normal_error = sensing_errors(observation, truth)
+        self._point_errors.append(point_error)
+        self._normal_errors.append(normal_error)
+        row = {
+            "time": observation.time,
+            "phase": phase,
+            "force_residual": now.force_residual,
+            "moment_residual": now.moment_residual,
+            "orientation": now.orientation,
+            "sensed_force_residual": tick.force_residual,
+            "sensed_moment_residual": tick.moment_residual,
+            "leak": leak,
+            "joints": observation.joints,
+            "touching": observation.touching,
+            "sensed_points": observation.points,
+            "sensed_normals": observation.normals,
+            "sensed_forces": observation.forces,
+            "points": points,
+            "normals": normals,
+            "forces": truth.forces,
+            "object_position": truth.object_position,
+            "object_axis": truth.object_axis,
+        }
+        for name, value in row.items():
+            self.rows.setdefault(name, []).append(np.asarray(value, dtype=np.float32))
+        return now
+
+    @property
+    def start(self) -> GraspMeasure:
+        """The measure at the first tick at which every contact touched, else at the first tick."""
+        return self.measures[self.first_touch or 0] if self.measures else NOTHING
+
+    @property
+    def end(self) -> GraspMeasure:
+        """The measure at the last tick."""
+        return self.measures[-1] if self.measures else NOTHING
+
+    @property
+    def ticks(self) -> int:
+        """Ticks from the first touch of all contacts to the end."""
+        return 0 if self.first_touch is None else len(self.measures) - 1 - self.first_touch
+
+    @property
+    def ticks_to_converge(self) -> int | None:
+        """Ticks from the first touch of all contacts until the end conditions began to hold for good."""
+        if self.first_touch is None or self.held_since is None:
+            return None
+        return max(0, self.held_since - self.first_touch)
+
+    def point_error(self) -> tuple[float, float]:
+        """Median and 95th percentile of the distance [m] of sensed from true contact points."""
+        return _percentiles(self._point_errors)
+
+    def normal_error(self) -> tuple[float, float]:
+        """Median and 95th percentile of the angle [rad] between sensed and true normals."""
+        return _percentiles(self._normal_errors)
+
+    def trajectory(self) -> dict[str, Float32Array]:
+        """The rows as arrays, one row a tick."""
+        return {name: np.stack(rows) for name, rows in self.rows.items()}
+
+
+NOTHING = GraspMeasure(math.nan, math.nan, math.nan)
+
+
+def _percentiles(errors: list[Array]) -> tuple[float, float]:
+    values = np.concatenate(errors) if errors else np.zeros(0)
+    if len(values) == 0:
+        return math.nan, math.nan
+    half, most = np.percentile(values, [50, 95])
+    return float(half), float(most)

@@ -1,0 +1,56 @@
+"""The record of one trial: what began it, how it ended, what was measured."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graspdsl.arrays import Float32Array
+from graspdsl.trials.outcomes import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class TrialRecord:
+    """One trial. Lengths in m, angles in rad, forces in N, times in s; NaN where there was nothing to measure.
+
+    ``start`` is what was drawn, ``redraws`` how many starts the world could not take up before it. *_start is measured
+    at the first tick at which every contact touches, *_end at the last tick. ``ticks`` counts from that first touch to
+    the end, ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence).
+    """
+
+    number: int
+    identity: str
+    outcome: Outcome
+    detail: str
+    start: Mapping[str, float]
+    redraws: int
+    orientation_start: float
+    orientation_end: float
+    force_residual_start: float
+    force_residual_end: float
+    moment_residual_start: float
+    moment_residual_end: float
+    contact_forces: tuple[float, ...]
+    object_shift: float
+    object_lean: float
+    ticks: int
+    ticks_to_converge: int | None
+    largest_leak: float
+    leaking_ticks: int
+    point_error: tuple[float, float]
+    normal_error: tuple[float, float]
+    world_s: float
+    wall_s: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Plain data, for the store."""
+        return {**dataclasses.asdict(self), "outcome": self.outcome.value, "start": dict(self.start)}
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A record with its trajectory: arrays by name, one row a tick."""
+
+    record: TrialRecord
+    trajectory: Mapping[str, Float32Array]

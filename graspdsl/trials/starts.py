@@ -1,0 +1,59 @@
+"""Where trials begin: poses of the hand drawn from a spec's distributions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.objects.shapes import Body
+from graspdsl.spec.distributions import Choice, Normal, Uniform
+from graspdsl.spec.trials import Start as StartSpec
+from graspdsl.worlds.protocol import Start
+
+UP = np.array([0.0, 0.0, 1.0])
+DRAWN = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+
+
+def generator(seed: int, trial: int) -> np.random.Generator:
+    """The random numbers of one trial: the same for a seed and a trial number, whatever else is run."""
+    return np.random.default_rng(np.random.SeedSequence([seed, trial]))
+
+
+def draw(start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator) -> Start:
+    """One start pose of the hand's mounting face before a standing object at the origin.
+
+    The palm faces the object from the side or from above. Its x axis lies along the object's axis (side) or level
+    (top) until it is rolled about the palm's normal; palm_surface [m] is the palm's distance ahead of the face.
+    """
+    drawn = {name: _value(getattr(start, name), random) for name in DRAWN}
+    heading = np.array([math.cos(drawn["yaw"]), math.sin(drawn["yaw"]), 0.0])
+    sin, cos = math.sin(drawn["tilt"]), math.cos(drawn["tilt"])
+    width, _, height = body.shape.extent
+    if start.approach == "side":
+        normal, level, depth = cos * heading - sin * UP, UP, width / 2
+        aim = drawn["height"] * UP
+    else:
+        normal, level, depth = sin * heading - cos * UP, heading, 0.0
+        aim = height * UP
+    first = level - (level @ normal) * normal
+    first /= np.linalg.norm(first)
+    second = np.cross(normal, first)
+    roll = np.array(
+        [[math.cos(drawn["roll"]), -math.sin(drawn["roll"])], [math.sin(drawn["roll"]), math.cos(drawn["roll"])]]
+    )
+    rotation: Array = np.column_stack([np.column_stack([first, second]) @ roll, normal])
+    position = aim + drawn["offset"] * second - (palm_surface + drawn["standoff"] + depth) * normal
+    return Start(position, rotation, drawn)
+
+
+def _value(distribution: float | Uniform | Normal | Choice, random: np.random.Generator) -> float:
+    match distribution:
+        case Uniform(uniform=(low, high)):
+            return float(random.uniform(low, high))
+        case Normal(normal=(mean, deviation)):
+            return float(random.normal(mean, deviation))
+        case Choice(choice=values):
+            return float(values[random.integers(len(values))])
+    return float(distribution)

@@ -1,0 +1,190 @@
+"""A hand on its mount inside Bullet: joints, couplings, fingertips, load cells, contact Jacobians."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import Robot
+from graspdsl.worlds.bullet.assembly import assembled_urdf
+
+TIP_STIFFNESS = 1500.0  # N/m: soft fingertips, about a third of a millimetre at 0.5 N
+TIP_DAMPING = 30.0  # N·s/m
+PASSIVE_EFFORT = 50.0
+
+
+def rotation_matrix(quaternion: tuple[float, ...]) -> Array:
+    """The (3, 3) rotation of a quaternion (x, y, z, w)."""
+    x, y, z, w = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Tip:
+    """One fingertip's numbers in the engine: link and load-cell joint, sphere, weight."""
+
+    link: int
+    cell: int
+    centre: Array
+    radius: float
+    mass: float
+    weight_lever: Array  # centre of mass from the sphere's centre, link frame
+
+
+class BulletHand:
+    """A hand on its mount, loaded with its mounting face at a given pose and all mount joints at zero.
+
+    Joint vectors of length n are in command order (mount first); the engine's own, longer vectors also hold the
+    coupled joints: full = coupling @ actuated.
+    """
+
+    def __init__(
+        self, engine: Any, client: int, robot: Robot, position: Array, quaternion: Array, friction: float
+    ) -> None:
+        self._engine, self._client, self.robot = engine, client, robot
+        with tempfile.TemporaryDirectory(prefix="graspdsl-") as folder:
+            path = Path(folder, "robot.urdf")
+            path.write_text(assembled_urdf(robot), encoding="utf-8")
+            self.body: int = engine.loadURDF(
+                str(path),
+                position.tolist(),
+                quaternion.tolist(),
+                useFixedBase=True,
+                flags=engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION,
+                physicsClientId=client,
+            )
+        self._read_joints()
+        self._ignore_neighbours()
+        self.tips = tuple(self._tip(name) for name in robot.contacts)
+        self._base_rotation = rotation_matrix(tuple(quaternion))
+        for tip in self.tips:
+            engine.changeDynamics(
+                self.body,
+                tip.link,
+                lateralFriction=friction,
+                contactStiffness=TIP_STIFFNESS,
+                contactDamping=TIP_DAMPING,
+                physicsClientId=client,
+            )
+            engine.enableJointForceTorqueSensor(self.body, tip.cell, True, physicsClientId=client)
+
+    def _read_joints(self) -> None:
+        engine, client = self._engine, self._client
+        infos = [engine.getJointInfo(self.body, j, client) for j in range(engine.getNumJoints(self.body, client))]
+        self.joint_index = {info[1].decode(): info[0] for info in infos}
+        self.link_index = {info[12].decode(): info[0] for info in infos}
+        self.link_names = {index: name for name, index in self.link_index.items()}
+        self.parents = [info[16] for info in infos]
+        self.movable = [info[0] for info in infos if info[2] != engine.JOINT_FIXED]
+        self.movable_names = [infos[j][1].decode() for j in self.movable]
+        order = {name: i for i, name in enumerate(self.robot.joints)}
+        self.coupling = np.zeros((len(self.movable), len(order)))
+        for row, name in enumerate(self.movable_names):
+            coupled = self.robot.hand.couplings.get(name)
+            self.coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
+        rows = [self.movable_names.index(name) for name in order]
+        self._actuated_rows = np.array(rows)
+        self._efforts = [infos[j][10] or PASSIVE_EFFORT for j in self.movable]
+
+    def _ignore_neighbours(self) -> None:
+        # The primitives of neighbouring links overlap by up to 1.6 mm, and so do those two links apart.
+        count = len(self.parents)
+        for a in range(-1, count):
+            near = {a} | self._within(a, 2)
+            for b in near:
+                if b > a:
+                    self._engine.setCollisionFilterPair(self.body, self.body, a, b, 0, self._client)
+            if a >= 0 and self.link_names[a] not in self.hand_links():
+                for b in range(-1, count):
+                    self._engine.setCollisionFilterPair(self.body, self.body, a, b, 0, self._client)
+
+    def _within(self, link: int, steps: int) -> set[int]:
+        found, frontier = {link}, {link}
+        for _ in range(steps):
+            frontier = {b for b, parent in enumerate(self.parents) for a in frontier if a in (b, parent)} | {
+                self.parents[a] for a in frontier if a >= 0
+            }
+            found |= frontier
+        return found
+
+    def hand_links(self) -> set[str]:
+        """The names of the hand's own links (the mount's left out)."""
+        root = self.link_index[self.robot.hand.root]
+        inside = {root}
+        for index, parent in enumerate(self.parents):
+            if parent in inside:
+                inside.add(index)
+        return {self.link_names[index] for index in inside}
+
+    def _tip(self, contact: str) -> Tip:
+        description = self.robot.hand.contacts[contact]
+        link = self.link_index[description.link]
+        dynamics = self._engine.getDynamicsInfo(self.body, link, self._client)
+        centre = np.array(description.centre)
+        return Tip(
+            link=link,
+            cell=self.joint_index[description.cell],
+            centre=centre,
+            radius=description.radius,
+            mass=dynamics[0],
+            weight_lever=np.array(dynamics[3]) - centre,
+        )
+
+    def place(self, joints: Array) -> None:
+        """Put the joints (n,) where they are told, at rest, without simulating."""
+        for index, angle in zip(self.movable, self.coupling @ joints, strict=True):
+            self._engine.resetJointState(self.body, index, float(angle), 0.0, self._client)
+
+    def drive(self, joints: Array) -> None:
+        """Set the position targets (n,) of the joint motors, the coupled joints with them."""
+        self._engine.setJointMotorControlArray(
+            self.body,
+            self.movable,
+            self._engine.POSITION_CONTROL,
+            targetPositions=(self.coupling @ joints).tolist(),
+            forces=self._efforts,
+            physicsClientId=self._client,
+        )
+
+    def all_joints(self) -> list[float]:
+        """Positions of all movable joints, the coupled ones too, in the engine's order."""
+        states = self._engine.getJointStates(self.body, self.movable, self._client)
+        return [state[0] for state in states]
+
+    def actuated(self, all_joints: list[float]) -> Array:
+        """The (n,) actuated positions out of all movable ones."""
+        actuated: Array = np.array(all_joints)[self._actuated_rows]
+        return actuated
+
+    def tip_frames(self) -> list[tuple[Array, Array]]:
+        """Origin (3,) and rotation (3, 3) of each fingertip link's frame, in the world."""
+        links = [tip.link for tip in self.tips]
+        states = self._engine.getLinkStates(
+            self.body, links, computeForwardKinematics=True, physicsClientId=self._client
+        )
+        return [(np.array(state[4]), rotation_matrix(state[5])) for state in states]
+
+    def cell_readings(self) -> Array:
+        """The (k, 6) raw wrenches on the load cells' joints, force then moment, in the tips' frames."""
+        states = self._engine.getJointStates(self.body, [tip.cell for tip in self.tips], self._client)
+        return np.array([state[2] for state in states])
+
+    def jacobian(self, tip: Tip, point: Array, all_joints: list[float]) -> Array:
+        """The (3, n) Jacobian in the world frame of a material point (3,) of a tip, given in the tip link's frame."""
+        zeros = [0.0] * len(all_joints)
+        # The engine measures the point from the centre of mass and answers in the frame of the base.
+        local = (point - tip.centre - tip.weight_lever).tolist()
+        linear, _ = self._engine.calculateJacobian(self.body, tip.link, local, all_joints, zeros, zeros, self._client)
+        result: Array = self._base_rotation @ np.array(linear) @ self.coupling
+        return result

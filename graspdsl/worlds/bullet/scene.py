@@ -1,0 +1,128 @@
+"""Table and object inside Bullet, and the engine's truth about what touches the object."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.objects.shapes import Body, Box, Cylinder
+from graspdsl.worlds.bullet.hand import BulletHand, rotation_matrix
+
+TABLE_SIZE = (1.2, 1.2, 0.05)
+WOOD = (0.76, 0.62, 0.46, 1.0)
+PAPER = (0.93, 0.91, 0.86, 1.0)
+
+
+class Scene:
+    """A table whose top is z = 0 and one free object that stands on it at the origin."""
+
+    def __init__(self, engine: Any, client: int, body: Body, table_friction: float) -> None:
+        self._engine, self._client = engine, client
+        self.table = self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in TABLE_SIZE]}, 0.0, WOOD)
+        self._move(self.table, -TABLE_SIZE[2] / 2)
+        self.object = self._object(body)
+        self._move(self.object, body.shape.extent[2] / 2)
+        # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
+        engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
+        engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
+        self.mark_rest()
+
+    def _object(self, body: Body) -> int:
+        engine, shape = self._engine, body.shape
+        if isinstance(shape, Cylinder):
+            form = {"radius": shape.diameter / 2, "height": shape.height}
+            return self._solid(engine.GEOM_CYLINDER, form, body.mass, PAPER)
+        if isinstance(shape, Box):
+            return self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in shape.size]}, body.mass, PAPER)
+        return self._solid(engine.GEOM_SPHERE, {"radius": shape.diameter / 2}, body.mass, PAPER)
+
+    def _solid(self, kind: int, form: dict[str, Any], mass: float, colour: tuple[float, ...]) -> int:
+        engine, client = self._engine, self._client
+        seen = {"length" if key == "height" else key: value for key, value in form.items()}
+        collision = engine.createCollisionShape(kind, **form, physicsClientId=client)
+        visual = engine.createVisualShape(kind, **seen, rgbaColor=colour, physicsClientId=client)
+        index: int = engine.createMultiBody(mass, collision, visual, physicsClientId=client)
+        return index
+
+    def _move(self, body: int, height: float) -> None:
+        self._engine.resetBasePositionAndOrientation(body, [0, 0, height], [0, 0, 0, 1], self._client)
+
+    def mark_rest(self) -> None:
+        """Take the object's present pose as the one it is compared with."""
+        self._rest_position, self._rest_axis = self.object_pose()
+
+    def object_pose(self) -> tuple[Array, Array]:
+        """The object's centre of mass (3,) [m] and its major axis (3,)."""
+        position, quaternion = self._engine.getBasePositionAndOrientation(self.object, self._client)
+        return np.array(position), rotation_matrix(quaternion)[:, 2]
+
+    def lean(self) -> float:
+        """The angle [rad] between the object's axis now and at rest."""
+        _, axis = self.object_pose()
+        return math.acos(min(1.0, max(-1.0, float(axis @ self._rest_axis))))
+
+    def clearance(self, hand: int, links: set[int] | None, within: float) -> float:
+        """The least distance [m] between these links of the hand (None: all) and the table or the object.
+
+        Distances above ``within`` count as infinite.
+        """
+        least = math.inf
+        for other in (self.table, self.object):
+            for point in self._engine.getClosestPoints(hand, other, within, physicsClientId=self._client):
+                if links is None or point[3] in links:
+                    least = min(least, point[8])
+        return least
+
+    def distance_to_object(self, hand: int, link: int, within: float) -> float:
+        """The distance [m] between a link of the hand and the object; infinite above ``within``."""
+        points = self._engine.getClosestPoints(hand, self.object, within, linkIndexA=link, physicsClientId=self._client)
+        return min((point[8] for point in points), default=math.inf)
+
+    def tip_contacts(self, hand: BulletHand) -> tuple[Array, Array, Array]:
+        """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
+        answer = np.full((3, len(hand.tips), 3), np.nan)
+        for row, tip in enumerate(hand.tips):
+            contacts = self._engine.getContactPoints(
+                hand.body, self.object, linkIndexA=tip.link, physicsClientId=self._client
+            )
+            pressing = [c for c in contacts if c[9] > 0.0]
+            if not pressing:
+                continue
+            weights = np.array([c[9] for c in pressing])
+            inward = -np.array([c[7] for c in pressing])
+            # The engine's friction forces have the other sign than its normal forces.
+            friction = np.array([c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in pressing])
+            normal = weights @ inward
+            answer[0, row] = weights @ np.array([c[6] for c in pressing]) / weights.sum()
+            answer[1, row] = normal / np.linalg.norm(normal)
+            answer[2, row] = normal + friction.sum(axis=0)
+        return answer[0], answer[1], answer[2]
+
+    def other_links(self, hand: BulletHand) -> tuple[str, ...]:
+        """Names of the hand's links other than fingertips that press on the object."""
+        tips = {tip.link for tip in hand.tips}
+        contacts = self._engine.getContactPoints(hand.body, self.object, physicsClientId=self._client)
+        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] not in tips and c[8] <= 0.0}))
+
+    def image(self, width: int, height: int) -> Array:
+        """A rendered (height, width, 3) picture, 0…255."""
+        engine = self._engine
+        position, _ = self.object_pose()
+        view = engine.computeViewMatrixFromYawPitchRoll(
+            [float(position[0]), float(position[1]), float(position[2]) + 0.02], 0.62, 55, -22, 0, 2
+        )
+        lens = engine.computeProjectionMatrixFOV(42, width / height, 0.05, 3.0)
+        picture = engine.getCameraImage(
+            width,
+            height,
+            view,
+            lens,
+            lightDirection=[0.6, -0.5, 1.2],
+            shadow=1,
+            renderer=engine.ER_TINY_RENDERER,
+            physicsClientId=self._client,
+        )
+        return np.asarray(picture[2], dtype=float).reshape(height, width, -1)[:, :, :3]

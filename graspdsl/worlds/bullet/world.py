@@ -1,0 +1,180 @@
+"""The bullet world: a hand with fingertip load cells, an object on a table, physics by PyBullet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import Robot
+from graspdsl.objects.shapes import Body
+from graspdsl.worlds.bullet.assembly import joint_limits
+from graspdsl.worlds.bullet.engine import pybullet, silenced
+from graspdsl.worlds.bullet.hand import BulletHand
+from graspdsl.worlds.bullet.scene import Scene
+from graspdsl.worlds.bullet.touch import Fingertips, TouchSettings
+from graspdsl.worlds.protocol import (
+    Command,
+    InfeasibleStartError,
+    Observation,
+    Start,
+    Truth,
+    WorldCrashError,
+    WorldInfo,
+)
+
+CONTROL_RATE = 50.0  # Hz
+PHYSICS_STEPS = 10  # a tick
+SETTLE_TICKS = 10
+CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
+CLOSING_STEP = 0.02  # rad
+PRESHAPE = 0.012  # m between a tip and the object when a trial begins
+
+
+@dataclass(frozen=True, slots=True)
+class BulletSettings:
+    """What of a spec's scene the bullet world needs. friction: coefficient between fingertips and object."""
+
+    robot: Robot
+    body: Body
+    friction: float
+    touch: TouchSettings = field(default_factory=TouchSettings)
+    gravity: float = 9.81
+    table_friction: float = 0.5
+
+
+class BulletWorld:
+    """A world of rigid bodies under gravity; the fingertips are soft. Rebuilt at each reset, so a trial repeats."""
+
+    def __init__(self, settings: BulletSettings) -> None:
+        self.settings = settings
+        robot = settings.robot
+        self.info = WorldInfo(CONTROL_RATE, robot.contacts, tuple(robot.joints), *joint_limits(robot))
+        self._engine = pybullet()
+        self._client = -1
+
+    def reset(self, start: Start, seed: int) -> Observation:
+        """Build the scene, put the hand at the start, its fingers about to touch, and tare."""
+        self.close()
+        engine = self._engine
+        with silenced():
+            self._client = engine.connect(engine.DIRECT)
+        client = self._client
+        engine.setTimeStep(1.0 / (CONTROL_RATE * PHYSICS_STEPS), client)
+        engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+        engine.setGravity(0, 0, -self.settings.gravity, client)
+        self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction)
+        quaternion = Rotation.from_matrix(start.rotation).as_quat()
+        self.hand = BulletHand(engine, client, self.settings.robot, start.position, quaternion, self.settings.friction)
+        self._target = self._preshape()
+        self.hand.place(self._target)
+        self.hand.drive(self._target)
+        self._ticks = 0
+        self._tips = Fingertips(self.hand, self._scene, self.settings.touch, self.settings.gravity, seed)
+        for _ in range(SETTLE_TICKS):
+            self._simulate()
+        self.tare()
+        self._scene.mark_rest()
+        return self._observe()
+
+    def _preshape(self) -> Array:
+        """The start posture: each finger closed until its tip is about to touch the object.
+
+        A start is infeasible when a finger has no free place, or meets the object with another link, or not at all.
+        """
+        robot = self.settings.robot
+        names = list(robot.joints)
+        posture = np.array([robot.hand.postures["open"].get(name, 0.0) for name in names])
+        closed = np.array([robot.hand.postures["closed"].get(name, 0.0) for name in names])
+        for (name, contact), tip in zip(robot.hand.contacts.items(), self.hand.tips, strict=True):
+            mine = np.isin(names, contact.finger)
+            posture = self._close_finger(posture, np.where(mine, closed - posture, 0.0), contact.finger, tip.link, name)
+        self.hand.place(posture)
+        if self._scene.clearance(self.hand.body, None, CLEARANCE) < CLEARANCE:
+            raise InfeasibleStartError("the hand would stand in the table or the object")
+        return posture
+
+    def _close_finger(self, posture: Array, motion: Array, joints: tuple[str, ...], tip: int, name: str) -> Array:
+        """Close one finger in small steps until its tip touches the object; the posture shortly before that."""
+        links = self._links_beyond(joints)
+        ready: Array | None = None
+        for share in np.arange(0.0, 1.0, CLOSING_STEP / float(np.abs(motion).max())):
+            candidate = posture + share * motion
+            self.hand.place(candidate)
+            distance = self._scene.distance_to_object(self.hand.body, tip, PRESHAPE)
+            if ready is not None and distance <= 0.0:
+                return ready
+            if self._scene.clearance(self.hand.body, links - {tip}, CLEARANCE) < CLEARANCE:
+                ready = None
+            elif distance >= PRESHAPE or (ready is None and distance >= CLEARANCE):
+                ready = candidate
+        raise InfeasibleStartError(f"{name} cannot close on the object with its tip")
+
+    def _links_beyond(self, joints: tuple[str, ...]) -> set[int]:
+        moved = {self.hand.joint_index[name] for name in joints}
+        for index, parent in enumerate(self.hand.parents):
+            if parent in moved:
+                moved.add(index)
+        return moved
+
+    def step(self, command: Command) -> Observation:
+        """Displace the joints' targets by the command, within their limits, and simulate one tick."""
+        if command.space != "q":
+            raise ValueError(f"the bullet world moves joints (q), not {command.space}")
+        self._target = np.clip(self._target + command.displacement, self.info.lower, self.info.upper)
+        self.hand.drive(self._target)
+        self._simulate()
+        self._ticks += 1
+        return self._observe()
+
+    def _simulate(self) -> None:
+        for _ in range(PHYSICS_STEPS):
+            self._engine.stepSimulation(self._client)
+
+    def tare(self) -> None:
+        """Take the present reading of the load cells, less the tips' own weight, as their zero."""
+        self._tips.tare()
+
+    def _observe(self) -> Observation:
+        reading = self._tips.read()
+        joints = self.hand.all_joints()
+        if not all(np.isfinite(joints)):
+            raise WorldCrashError("a joint's position is not a number")
+        jacobian = np.array(
+            [self.hand.jacobian(tip, point, joints) for tip, point in zip(self.hand.tips, reading.local, strict=True)]
+        )
+        return Observation(
+            time=self._ticks / CONTROL_RATE,
+            points=reading.points,
+            normals=reading.normals,
+            forces=reading.forces,
+            touching=reading.touching,
+            joints=self.hand.actuated(joints),
+            jacobian=jacobian,
+        )
+
+    def truth(self) -> Truth:
+        """The simulator's own account of the present tick."""
+        points, normals, forces = self._scene.tip_contacts(self.hand)
+        position, axis = self._scene.object_pose()
+        return Truth(
+            points=points,
+            normals=normals,
+            forces=forces,
+            object_position=position,
+            object_axis=axis,
+            object_lean=self._scene.lean(),
+            touching_links=self._scene.other_links(self.hand),
+        )
+
+    def image(self, width: int = 640, height: int = 480) -> Array:
+        """A rendered (height, width, 3) picture of the scene, 0…255, with the software renderer."""
+        return self._scene.image(width, height)
+
+    def close(self) -> None:
+        """Shut the simulation down."""
+        if self._client >= 0:
+            self._engine.disconnect(self._client)
+            self._client = -1

@@ -1,0 +1,122 @@
+"""What a world offers: the one interface between controllers and whatever they act on.
+
+An Observation holds what a real hand could sense. The truth stands behind a protocol of its own that only monitors,
+graders and tests may read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from graspdsl.arrays import Array, Flags
+
+
+class InfeasibleStartError(Exception):
+    """A start that the world cannot take up (the hand would stand in the table or the object)."""
+
+
+class WorldCrashError(Exception):
+    """The simulation left the realm of numbers (not-a-number states) or its engine gave up."""
+
+
+@dataclass(frozen=True, slots=True)
+class WorldInfo:
+    """What the world is: the rate of its control ticks [Hz], its contacts and actuated joints in order.
+
+    lower, upper: (n,) limits of the joints [m or rad].
+    """
+
+    rate: float
+    contacts: tuple[str, ...]
+    joints: tuple[str, ...]
+    lower: Array
+    upper: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """One tick's sensing of k contacts and n joints, in the world frame.
+
+    points: (k, 3) contact points [m]; a contact that does not touch reports its fingertip's centre.
+    normals: (k, 3) unit normals into the object; the last sensed one, or where the finger closes to, when it does
+    not touch. forces: (k, 3) forces on the object [N], zero when it does not touch. touching: (k,).
+    joints: (n,) joint positions [m or rad]. jacobian: (k, 3, n) of the contact points.
+    """
+
+    time: float
+    points: Array
+    normals: Array
+    forces: Array
+    touching: Flags
+    joints: Array
+    jacobian: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One tick's displacement in a gradient space, "q": (n,) joint displacements [m or rad]."""
+
+    space: str
+    displacement: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """The simulator's own account of one tick, for monitors, graders and tests.
+
+    points, normals (into the object), forces (on the object): (k, 3), NaN where a contact does not touch.
+    object_position: (3,) centre of mass [m]; object_axis: (3,) the body's major axis; object_lean [rad]: how far the
+    axis has turned from its start. palm: something other than a fingertip touches the object, by link name.
+    """
+
+    points: Array
+    normals: Array
+    forces: Array
+    object_position: Array
+    object_axis: Array
+    object_lean: float
+    touching_links: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where a trial begins: the pose of the hand's mounting face; what was drawn stands in ``drawn``.
+
+    position: (3,) [m]; rotation: (3, 3), its z column points out of the palm.
+    """
+
+    position: Array
+    rotation: Array
+    drawn: Mapping[str, float]
+
+
+class Witness(Protocol):
+    """The truth behind a world; controllers never see it."""
+
+    def truth(self) -> Truth:
+        """The simulator's own account of the present tick."""
+        ...
+
+
+class World(Protocol):
+    """Anything a controller can run on."""
+
+    info: WorldInfo
+
+    def reset(self, start: Start, seed: int) -> Observation:
+        """Build the scene anew and take up the start. Raises InfeasibleStartError."""
+        ...
+
+    def step(self, command: Command) -> Observation:
+        """Carry out one tick. Raises WorldCrashError."""
+        ...
+
+    def tare(self) -> None:
+        """Take the present reading of the load cells as zero (nothing may touch)."""
+        ...
+
+    def close(self) -> None:
+        """Give back what the world holds; it can be reset again afterwards."""
+        ...

@@ -1,0 +1,116 @@
+"""Specs as values: what the good one says, how it is written out, and other models read in the same way."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from pydantic import Field
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.spec import Spec, json_schema, load_spec, load_spec_text, parse_document, validate_document
+from graspdsl.spec.distributions import Choice, Normal, Uniform
+from graspdsl.spec.fields import Metres, Model
+
+
+def place(diagnostic: Diagnostic) -> str:
+    """line:column"""
+    return f"{diagnostic.span.line}:{diagnostic.span.column}" if diagnostic.span else "-"
+
+
+def test_the_good_spec(tmp_path: Path, good: str) -> None:
+    path = tmp_path / "towel.yaml"
+    path.write_text(good, encoding="utf-8")
+    loaded = load_spec(path)
+    assert (loaded.name, loaded.text) == ("towel.yaml", good)
+    spec = loaded.spec
+    assert spec.scene.object == "towel-roll"
+    assert spec.resources["Γ"] == "{γ1, <γ2,γ3>}"
+    assert spec.parameters == {"κ_f": 0.5, "x_ref": (0.1, 0.0, 0.001)}
+    assert spec.definitions()["π_mine|Γ_τ Γ_σ"].body == "φ_fr|τ_fr(Γ_τ) σ_fr(Γ_σ)"
+    assert spec.definitions()["π_two|Γ Γ"].equation == "4.30"
+    assert spec.program[1].until.moment_residual == 0.005
+    assert spec.program[1].limit == 30.0
+    assert spec.trials.start.roll == Uniform(uniform=(-1.5, 1.5))
+    assert spec.control.cap == 0.0015
+    assert spec.evaluate == ("force-closure", "ferrari-canny", "lift", "shake")
+
+
+def test_a_spec_survives_being_written_out(good: str) -> None:
+    spec = load_spec_text(good, "test.yaml").spec
+    assert Spec.model_validate(spec.model_dump(mode="json", by_alias=True)) == spec
+    text = yaml.safe_dump(spec.model_dump(mode="json", by_alias=True), allow_unicode=True)
+    assert load_spec_text(text, "test.yaml").spec == spec
+
+
+def test_formulas_know_their_places(good: str) -> None:
+    document = load_spec_text(good, "test.yaml").document
+    rows = good.split("\n")
+    for source in [
+        document.source_text(("program", 1, "run")),
+        document.source_text(("resources", "Γ")),
+        document.source_text(("controllers", "π_two|Γ Γ", "is")),
+        document.key_source_text(("controllers", "π_mine|Γ_τ Γ_σ")),
+    ]:
+        assert source.text
+        assert "".join(rows[line - 1][column - 1] for line, column in source.places[:-1]) == source.text
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("{normal: [0, 0.5]}", Normal(normal=(0, 0.5))),
+        ("{choice: [0, 1, 2]}", Choice(choice=(0, 1, 2))),
+        ("1", 1.0),
+    ],
+)
+def test_distributions(good: str, written: str, read: object) -> None:
+    assert load_spec_text(good, "test.yaml", [f"trials.start.roll={written}"]).spec.trials.start.roll == read
+
+
+@pytest.mark.parametrize(
+    ("written", "shape"),
+    [
+        ("{sphere: {diameter: 0.1}, name: ball}", "Sphere"),
+        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", "Box"),
+        ("{cylinder: {diameter: 0.1, height: 0.2}}", "Cylinder"),
+    ],
+)
+def test_objects(good: str, written: str, shape: str) -> None:
+    found = load_spec_text(good, "test.yaml", [f"scene.object={written}"]).spec.scene.object
+    assert not isinstance(found, str)
+    assert type(found.shape).__name__ == shape
+
+
+class Finger(Model):
+    """A model of another kind of file."""
+
+    length: Metres = Field(gt=0.0)
+    joints: tuple[str, ...] = ()
+
+
+def test_other_models_are_read_in_the_same_way() -> None:
+    document = parse_document("length: 0.1\njoints: [a, b]\n", "hand.yaml")
+    assert validate_document(document, Finger) == Finger(length=0.1, joints=("a", "b"))
+    with pytest.raises(DiagnosticError) as caught:
+        validate_document(parse_document("lenght: 0.1\njoints: [a, 1]\n", "hand.yaml"), Finger)
+    assert [(d.code, place(d)) for d in caught.value.diagnostics] == [
+        ("unknown-key", "1:1"),
+        ("wrong-type", "2:13"),
+    ]
+
+
+def _described(schema: dict[str, Any]) -> bool:
+    return all("description" in field for field in schema.get("properties", {}).values())
+
+
+def test_the_schema_describes_every_field() -> None:
+    schema = json.loads(json.dumps(json_schema()))
+    assert schema["title"] == "graspdsl spec"
+    assert set(schema["required"]) == {"graspdsl", "name", "scene", "resources", "program"}
+    assert "is" in schema["$defs"]["ControllerDefinition"]["properties"]
+    assert all(_described(part) for part in [schema, *schema["$defs"].values()])
+    assert schema["additionalProperties"] is False
