@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -57,13 +57,15 @@ class _Lowering:
             command = self._build.apply("Δx", "displacement of each contact [m]", operations.by_contact, displacement)
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
+        outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks]]
+        steps, number = self._build.needed(outputs)
         return Pipeline(
-            steps=tuple(self._build.steps),
-            command=command,
+            steps=steps,
+            command=number[command],
             space=graph.gradient_space.value,
-            force_residual=force_residual,
-            moment_residual=moment_residual,
-            leaks=tuple(self._leaks),
+            force_residual=number[force_residual],
+            moment_residual=number[moment_residual],
+            leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
         )
 
     def _level(self, graph: ControllerGraph) -> Level:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -96,6 +96,16 @@ class PipelineBuilder:
     def apply(self, label: str, about: str, function: Callable[..., Array], *inputs: int) -> int:
         """The step that applies a function, or a partial of one, to the values of earlier steps."""
         return self._add((_fingerprint(function), inputs), Step(label, about, function, inputs))
+
+    def needed(self, outputs: Iterable[int]) -> tuple[tuple[Step, ...], Mapping[int, int]]:
+        """The steps that some output depends on, renumbered, and the new number of each."""
+        wanted: set[int] = set(outputs)
+        for index in range(len(self.steps) - 1, -1, -1):
+            if index in wanted:
+                wanted.update(self.steps[index].inputs)
+        number = {old: new for new, old in enumerate(sorted(wanted))}
+        steps = [self.steps[old] for old in sorted(wanted)]
+        return tuple(replace(step, inputs=tuple(number[i] for i in step.inputs)) for step in steps), number
 
     def _add(self, key: Hashable, step: Step) -> int:
         if key not in self._known:

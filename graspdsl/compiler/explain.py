@@ -1,0 +1,210 @@
+"""What a formula means: what it stands for, its spaces and shapes, and the pipeline it becomes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.sensors import SENSORS
+from graspdsl.compiler.graph import (
+    Composition,
+    ControllerGraph,
+    ControllerNode,
+    ControllerReference,
+    SensorReference,
+    VectorReference,
+    controllers_in,
+)
+from graspdsl.compiler.lowering import compile_controller
+from graspdsl.compiler.pipeline import Pipeline, Step
+from graspdsl.compiler.program import CheckedPhase
+from graspdsl.compiler.settings import Target
+from graspdsl.hands.descriptions import Robot
+from graspdsl.notation.printer import to_ascii, to_unicode
+from graspdsl.worlds.protocol import Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """A checked formula with everything there is to say of it. One pipeline a stage of ``then``."""
+
+    phase: CheckedPhase
+    robot: Robot
+    pipelines: tuple[Pipeline, ...]
+    shapes: tuple[tuple[tuple[int, ...], ...], ...]
+
+    def unicode(self) -> str:
+        """The formula in Unicode."""
+        return to_unicode(self.phase.formula)
+
+    def ascii(self) -> str:
+        """The formula in ASCII."""
+        return to_ascii(self.phase.formula)
+
+    def tree(self) -> str:
+        """The controllers by priority, with their equations, spaces and shapes."""
+        blocks = [self._stage(graph, f"stage {i + 1}") for i, graph in enumerate(self.phase.stages)]
+        return "\n".join(blocks)
+
+    def pipeline(self) -> str:
+        """The numerical steps, as a tree from the command down to what is read; a step shown before is only named."""
+        return "\n".join(
+            _pipeline_tree(pipeline, shapes) for pipeline, shapes in zip(self.pipelines, self.shapes, strict=True)
+        )
+
+    def text(self) -> str:
+        """All of it, for a terminal."""
+        rows = [f"formula    {self.unicode()}", f"ASCII      {self.ascii()}"]
+        rows += [f"stands for {_written(graph)}" for graph in self.phase.stages]
+        rows += ["", "resources", *self._resources(), "", "controllers, highest priority first", self.tree(), ""]
+        rows += ["pipeline", self.pipeline()]
+        return "\n".join(rows)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All of it, as plain data."""
+        return {
+            "unicode": self.unicode(),
+            "ascii": self.ascii(),
+            "stands_for": [_written(graph) for graph in self.phase.stages],
+            "gradient_space": [graph.gradient_space.value for graph in self.phase.stages],
+            "controllers": [[_node(node) for node in controllers_in(graph)] for graph in self.phase.stages],
+            "pipeline": [
+                [
+                    {
+                        "step": i,
+                        "label": step.label,
+                        "about": step.about,
+                        "inputs": list(step.inputs),
+                        "shape": list(shape),
+                    }
+                    for i, (step, shape) in enumerate(zip(pipeline.steps, shapes, strict=True))
+                ]
+                for pipeline, shapes in zip(self.pipelines, self.shapes, strict=True)
+            ],
+        }
+
+    def _resources(self) -> list[str]:
+        names = self.robot.contacts
+        sets = {s.label: s for graph in self.phase.stages for n in controllers_in(graph) for s in _sets(n)}
+        rows = []
+        for label, resources in sets.items():
+            means = [
+                " + ".join(names[c] if w == 1.0 else f"{w:.3g} {names[c]}" for c, w in member.weights)
+                for member in resources.members
+            ]
+            rows.append(f"  {label} = {{{', '.join(means)}}}")
+        return rows
+
+    def _stage(self, graph: ControllerGraph, name: str) -> str:
+        rows = [f"  {name}"] if len(self.phase.stages) > 1 else []
+        rows += _graph(graph, "  ")
+        rows.append(f"  command: {graph.gradient_space.value}, {graph.gradient_space.about}")
+        return "\n".join(rows)
+
+
+def explained(phase: CheckedPhase, target: Target) -> Explanation:
+    """The explanation of a checked formula for a robot."""
+    pipelines = tuple(compile_controller(graph, phase.grasp, target) for graph in phase.stages)
+    observation = _example(target.robot)
+    shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
+    return Explanation(phase, target.robot, pipelines, shapes)
+
+
+def _example(robot: Robot) -> Observation:
+    """An observation with the right shapes: contacts around a unit circle."""
+    count, joints = len(robot.contacts), len(robot.joints)
+    angles = 2 * np.pi * np.arange(count) / count
+    points = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(count)])
+    return Observation(
+        time=0.0,
+        points=points,
+        normals=-points,
+        forces=-points,
+        touching=np.ones(count, dtype=bool),
+        joints=np.zeros(joints),
+        jacobian=np.ones((count, 3, joints)),
+    )
+
+
+def _sets(node: ControllerNode) -> list[ContactSet]:
+    return [node.effector_resources, node.sensor_resources]
+
+
+def _written(graph: ControllerGraph) -> str:
+    """A graph as a formula without abbreviations."""
+    if isinstance(graph, Composition):
+        parts = [f"({_written(t)})" if isinstance(t, Composition) else _written(t) for t in graph.terms]
+        return " ◁ ".join(parts)
+    return graph.label + (f" ({_reference(graph)})" if graph.reference else "")
+
+
+def _reference(node: ControllerNode) -> str:
+    match node.reference:
+        case VectorReference(label) | SensorReference(label):
+            return label
+        case ControllerReference(controller):
+            return _written(controller)
+    return ""
+
+
+def _graph(graph: ControllerGraph, indent: str) -> list[str]:
+    if isinstance(graph, Composition):
+        return [row for term in reversed(graph.terms) for row in _graph(term, indent)]
+    potential, sensor, effector = graph.potential, graph.sensor, graph.effector
+    rows = [
+        f"{indent}{potential.symbol}  {potential.about} (Eq. {potential.equation})",
+        f"{indent}  senses  {sensor.symbol}({graph.sensor_resources.label})  {sensor.space.value} "
+        f"(Eq. {sensor.equation})",
+        f"{indent}  moves   {effector.symbol}({graph.effector_resources.label})  {effector.about} "
+        f"→ {effector.gradient_space.value} (Eq. {effector.equation})",
+    ]
+    match graph.reference:
+        case ControllerReference(controller):
+            rows.append(f"{indent}  reference: {sensor.symbol} displaced by")
+            rows += _graph(controller, indent + "    ")
+        case VectorReference(label) | SensorReference(label):
+            rows.append(f"{indent}  reference: {label}")
+    return rows
+
+
+def _step(step: Step, shape: tuple[int, ...]) -> dict[str, Any]:
+    return {"label": step.label, "about": step.about, "inputs": list(step.inputs), "shape": list(shape)}
+
+
+def _node(node: ControllerNode) -> dict[str, Any]:
+    return {
+        "formula": node.label,
+        "potential": node.potential.symbol,
+        "task_space": node.potential.space.value,
+        "gradient_space": node.gradient_space.value,
+        "equations": [node.potential.equation, node.sensor.equation, node.effector.equation],
+        "reference": _reference(node) or None,
+    }
+
+
+def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...]) -> str:
+    rows: list[str] = []
+    shown: set[int] = set()
+
+    def add(index: int, lead: str, indent: str) -> None:
+        step = pipeline.steps[index]
+        size = "×".join(str(n) for n in shapes[index]) or "1"
+        if index in shown:
+            rows.append(f"{lead}[{index}] {step.label} ↑")
+            return
+        shown.add(index)
+        rows.append(f"{lead}[{index}] {step.label}  {size}  {step.about}")
+        for place, part in enumerate(step.inputs):
+            last = place == len(step.inputs) - 1
+            add(part, f"{indent}{'└─ ' if last else '├─ '}", indent + ("   " if last else "│  "))
+
+    add(pipeline.command, "  ", "  ")
+    monitored = {SENSORS["σ_fr"].symbol: pipeline.force_residual, SENSORS["σ_mr"].symbol: pipeline.moment_residual}
+    rows.append("  monitored: " + ", ".join(f"{name} [{step}]" for name, step in monitored.items()))
+    rows += [f"  certified: [{leak.step}] {leak.lower} does not reach {leak.higher}" for leak in pipeline.leaks]
+    reads = [step.label for step in pipeline.steps if step.reading]
+    rows.append(f"  {len(pipeline.steps)} steps; read once a tick: {', '.join(reads)}")
+    return "\n".join(rows)
