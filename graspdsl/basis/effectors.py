@@ -105,7 +105,7 @@ class MomentResidualDisplacement(Effector):
 
 
 class PositionJacobian(Effector):
-    """τ_p = ∂x/∂q, the Jacobians of the contact points (Eq. 4.20; means by 4.34), (..., 3m, n)."""
+    """τ_p = ∂x/∂q, the Jacobians of the contact points (Eq. 4.20; means by 4.34), (..., 3m, n) [m/m or m/rad]."""
 
     symbol = "τ_p"
     about = "contact positions by joint displacements"

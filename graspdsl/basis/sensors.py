@@ -36,7 +36,7 @@ class Sensor(ABC):
 
 
 class UnitNormals(Sensor):
-    """σ_n: the inward unit normals of the resources (Eq. 4.10), (..., m, 3); a virtual contact's is a mean."""
+    """σ_n: the inward unit normals of the resources [1] (Eq. 4.10), (..., m, 3); a virtual contact's is a mean."""
 
     symbol = "σ_n"
     about = "inward unit normals"
@@ -87,7 +87,7 @@ class Forces(Sensor):
 
 
 class NetForce(Sensor):
-    """σ_fr: the net force of unit contact forces, Σ w n (Eq. 4.11), (..., 3)."""
+    """σ_fr: the net force of unit contact forces, Σ w n [1] (Eq. 4.11), (..., 3)."""
 
     symbol = "σ_fr"
     about = "net force of unit contact forces"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypeVar
 
 from graspdsl.basis.effectors import EFFECTORS, Effector
@@ -14,11 +15,13 @@ from graspdsl.compiler.definitions import Bindings, Definition, expanded
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.references import ReferenceCheck
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.diagnostics import known_names_hint, listed
+from graspdsl.diagnostics import DiagnosticError, known_names_hint, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
 
 T = TypeVar("T")
+MOST_DEPTH = 100
+MOST_PARTS = 2000
 
 
 class Checker:
@@ -31,17 +34,19 @@ class Checker:
         self,
         resources: ResourceTable,
         definitions: Mapping[str, Definition],
-        parameters: Mapping[str, tuple[float, ...]],
+        parameters: Mapping[str, tuple[float, ...] | None],
         complaints: Complaints,
     ) -> None:
         self.complaints = complaints
         self._resources, self._definitions = resources, definitions
         self._references = ReferenceCheck(self, parameters)
         self._open: list[str] = []
+        self._depth = self._visits = 0
 
     def stages(self, tree: syntax.Expression) -> tuple[ControllerGraph, ...] | None:
         """The graphs of ``a then b then …``, one for a formula without ``then``."""
-        tree = self._unfolded(tree)
+        if isinstance(tree, syntax.Abbreviation):
+            return self._within(tree, self.stages)
         if isinstance(tree, syntax.Then):
             parts = [self.stages(step) for step in tree.steps]
             complete = [part for part in parts if part is not None]
@@ -51,19 +56,36 @@ class Checker:
 
     def expression(self, tree: syntax.Expression) -> ControllerGraph | None:
         """The graph of an expression that is one controller at every tick."""
+        if self._too_large(tree):
+            return None
+        self._depth += 1
+        self._visits += 1
+        graph = self._graph(tree)
+        self._depth -= 1
+        return graph
+
+    def _too_large(self, tree: syntax.Expression) -> bool:
+        """Whether definitions of definitions make more of a formula than can be checked; guards time and memory."""
+        depth = len(self._open) + self._depth
+        self._visits = self._visits if depth else 0
+        if self._visits < MOST_PARTS and depth < MOST_DEPTH:
+            return False
+        self.complaints.error(
+            "formula-too-large",
+            f"written out, this formula has more than {MOST_PARTS} parts, or parts nested deeper than {MOST_DEPTH}",
+            tree.span,
+            "use fewer definitions of definitions",
+        )
+        return True
+
+    def _graph(self, tree: syntax.Expression) -> ControllerGraph | None:
         match tree:
             case syntax.Controller():
                 return self._controller(tree)
             case syntax.SubjectTo():
                 return self._composition(tree)
             case syntax.Abbreviation():
-                body = self._expansion(tree)
-                if body is None:
-                    return None
-                self._open.append(tree.name.text)
-                graph = self.expression(body)
-                self._open.pop()
-                return graph
+                return self._within(tree, self.expression)
             case syntax.Then():
                 self.complaints.error(
                     "then-inside",
@@ -72,20 +94,6 @@ class Checker:
                     "put 'then' outermost: a ◁ b then c",
                 )
                 return None
-
-    def _unfolded(self, tree: syntax.Expression) -> syntax.Expression:
-        """An abbreviation of a sequence becomes the sequence; everything else stays."""
-        seen: set[str] = set()
-        while isinstance(tree, syntax.Abbreviation) and tree.name.text not in seen:
-            seen.add(tree.name.text)
-            definition = self._definitions.get(tree.name.text)
-            if definition is None or not isinstance(definition.body, syntax.Then | syntax.Abbreviation):
-                break
-            body = self._expansion(tree)
-            if body is None:
-                break
-            tree = body
-        return tree
 
     # --- ◁ ----------------------------------------------------------------------------------------------------
 
@@ -110,6 +118,16 @@ class Checker:
 
     # --- abbreviations ------------------------------------------------------------------------------------------
 
+    def _within(self, tree: syntax.Abbreviation, check: Callable[[syntax.Expression], T]) -> T | None:
+        """What a check makes of that for which an abbreviation stands."""
+        body = self._expansion(tree)
+        if body is None:
+            return None
+        self._open.append(tree.name.text)
+        found = check(body)
+        self._open.pop()
+        return found
+
     def _expansion(self, tree: syntax.Abbreviation) -> syntax.Expression | None:
         """What an abbreviation stands for, with its arguments in place."""
         name = tree.name.text
@@ -124,15 +142,23 @@ class Checker:
                 "definition-cycle", f"{name} is defined by itself: {cycle}", tree.span, "define it by other controllers"
             )
             return None
+        if self._too_large(tree):
+            return None
         bindings = self._bindings(tree, definition)
-        return None if bindings is None else expanded(definition.body, bindings, tree.span)
+        if bindings is None or definition.body is None:
+            return None
+        try:
+            return expanded(definition.body, bindings, tree.span)
+        except DiagnosticError as error:
+            self.complaints.take(error)
+            return None
 
     def _bindings(self, tree: syntax.Abbreviation, definition: Definition) -> Bindings | None:
         head = definition.head
         if len(tree.effector) != len(head.effector) or len(tree.sensor) != len(head.sensor):
             self.complaints.error(
                 "wrong-arguments",
-                f"{to_unicode(tree)} does not fit {to_unicode(head)}",
+                f"{to_unicode(replace(tree, reference=None))} does not fit {to_unicode(replace(head, reference=None))}",
                 tree.span,
                 f"{head.name.text} takes {len(head.effector)} effector and {len(head.sensor)} sensor resources",
             )
@@ -199,6 +225,8 @@ class Checker:
                 f"write {sensor.symbol}({moved.label})",
             )
             return None
+        if sensor.per_contact:
+            moved = sensed  # the same resources, in the order of the sensor's rows
         label = to_unicode(syntax.Controller(tree.potential, tree.effector, tree.sensor))
         return ControllerNode(label, potential, effector, moved, sensor, sensed, reference)
 

@@ -15,9 +15,10 @@ class Complaints:
         self._path: Path = ()
         self.found: list[Diagnostic] = []
 
-    def about(self, path: Path) -> None:
-        """From now on, complaints concern the value at this path."""
-        self._path = path
+    def about(self, path: Path) -> Path:
+        """From now on, complaints concern the value at this path; gives back the path before."""
+        before, self._path = self._path, path
+        return before
 
     def error(self, code: str, message: str, span: Span | None, hint: str | None = None) -> None:
         """Add an error."""

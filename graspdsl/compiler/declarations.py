@@ -34,7 +34,10 @@ class PhaseEntry:
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
-    """The scene's names, and the entries of ``resources``, ``controllers``, ``parameters`` and ``program``."""
+    """The scene's names, and the entries of ``resources``, ``controllers``, ``parameters`` and ``program``.
+
+    A parameter whose value could not be read, which has had its complaint, is None.
+    """
 
     hand: SourceText
     mount: SourceText
@@ -42,7 +45,7 @@ class Declarations:
     object: SourceText | None
     resources: tuple[Entry, ...]
     controllers: tuple[Entry, ...]
-    parameters: Mapping[str, tuple[float, ...]]
+    parameters: Mapping[str, tuple[float, ...] | None]
     phases: tuple[PhaseEntry, ...]
     document: Document | None = None
 
@@ -100,13 +103,13 @@ def _entries(document: Document, section: str) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-def _parameters(document: Document) -> dict[str, tuple[float, ...]]:
-    found = {}
+def _parameters(document: Document) -> dict[str, tuple[float, ...] | None]:
+    found: dict[str, tuple[float, ...] | None] = {}
     for key, value in _mapping(document, "parameters").items():
         listed = value if isinstance(value, list) else [value]
         numbers = [n for n in listed if isinstance(n, int | float) and not isinstance(n, bool)]
-        if len(numbers) == len(listed):
-            found[canonical(key)] = tuple(float(number) for number in numbers)
+        sound = numbers and len(numbers) == len(listed)
+        found[canonical(key)] = tuple(map(float, numbers)) if sound else None
     return found
 
 

@@ -13,7 +13,7 @@ import yaml
 import graspdsl.basis
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Entry
-from graspdsl.diagnostics import DiagnosticError, Span
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
 from graspdsl.notation.parser import parse_expression, parse_head
 from graspdsl.notation.tree import (
     Abbreviation,
@@ -36,10 +36,13 @@ from graspdsl.notation.tree import (
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """head ≡ body; ``equation`` is the chapter's number of it, empty for a user's own."""
+    """head ≡ body; ``equation`` is the chapter's number of it, empty for a user's own.
+
+    A ``body`` of None stands for one that could not be read, which has had its complaint.
+    """
 
     head: Head
-    body: Expression
+    body: Expression | None
     equation: str = ""
     about: str = ""
     in_prelude: bool = False
@@ -72,7 +75,7 @@ def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[s
             body = parse_expression(entry.value)
         except DiagnosticError as error:
             complaints.take(error)
-        if head is None or body is None:
+        if head is None:
             continue
         name = head.name.text
         if name in known:
@@ -89,8 +92,14 @@ Bindings = Mapping[str, Resources | Reference]
 Tree = TypeVar("Tree", Name, Vector)
 
 
+MOST_MEMBERS = 100
+
+
 def expanded(body: Expression, bindings: Bindings, span: Span) -> Expression:
-    """The body of a definition with arguments for its parameters; what the body itself wrote gets the span."""
+    """The body of a definition with arguments for its parameters; what the body itself wrote gets the span.
+
+    Raises DiagnosticError for arguments that cannot stand where the body puts them.
+    """
     return _Expansion(bindings, span).expression(body)
 
 
@@ -137,9 +146,23 @@ class _Expansion:
             case Vector():
                 return self._placed(tree)
             case ScaledSensor(factor, sensor):
-                factor = self._placed(factor) if isinstance(factor, Name) else factor
-                return ScaledSensor(factor, self._transform(sensor), self._span)
+                return ScaledSensor(self._factor(factor), self._transform(sensor), self._span)
         return self.expression(tree)
+
+    def _factor(self, factor: float | Name | None) -> float | Name | None:
+        if not isinstance(factor, Name):
+            return factor
+        match self._bindings.get(factor.text):
+            case None | Virtual() | ResourceSet():
+                return self._placed(factor)
+            case Name() as name:
+                return name
+            case Vector((value,)):
+                return value
+            case given:
+                message = f"{factor.text} scales a sensor and must be one number"
+                hint = "give one number, or a parameter that is one"
+                raise DiagnosticError([Diagnostic("wrong-size", message, given.span, hint)])
 
     def _resources(self, tree: Resources) -> Resources:
         if isinstance(tree, ResourceSet):
@@ -158,4 +181,11 @@ class _Expansion:
         for member in members:
             given = self._resources(member)
             found += given.members if isinstance(given, ResourceSet) else [given]
+        if sum(map(_contacts, found)) > MOST_MEMBERS:
+            message = f"with its arguments in place, a set would have more than {MOST_MEMBERS} members"
+            raise DiagnosticError([Diagnostic("formula-too-large", message, self._span, "name each contact once")])
         return tuple(found)
+
+
+def _contacts(tree: Resource) -> int:
+    return sum(map(_contacts, tree.members)) if isinstance(tree, Virtual) else 1

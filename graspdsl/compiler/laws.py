@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from graspdsl.basis.algebra import damped_pseudo_inverse
-from graspdsl.basis.spaces import TaskSpace
+from graspdsl.basis.spaces import GradientSpace, TaskSpace
 from graspdsl.compiler import operations
 from graspdsl.compiler.graph import ControllerNode
 from graspdsl.compiler.pipeline import PipelineBuilder
@@ -33,14 +33,19 @@ class Laws:
         return laws[node.potential.space](node, slope, task)
 
     def _residual(self, node: ControllerNode, slope: int, task: int) -> int:
-        """−k τᵀ∇φ: a unit net force moves a contact by ``step``; a moment weighs as a force at the curvature radius."""
+        """−k τᵀ∇φ: a unit net force moves a contact by ``step``; a moment weighs as a force at the curvature radius.
+
+        In surface coordinates the contact moves by as much, a displacement being the curvature radius times an angle.
+        """
         radius, step = self._control.curvature_radius, self._control.step
         moment = node.potential.space is TaskSpace.NET_MOMENT
         gain = 0.5 * step * self._control.moment_gain / radius if moment else 0.5 * step * radius
+        surface = node.gradient_space is GradientSpace.SURFACE
+        gain, unit = (gain / radius**2, "rad") if surface else (gain, "m")
         name = node.potential.symbol
         about = f"gradient in {node.gradient_space.value}, Eq. {node.effector.equation}"
         gradient = self._build.apply(f"τᵀ∇{name}", about, operations.transposed_times, task, slope)
-        return self._build.apply(f"−k∇{name}", "step down it [m a tick]", partial(np.multiply, gain), gradient)
+        return self._build.apply(f"−k∇{name}", f"step down it [{unit} a tick]", partial(np.multiply, gain), gradient)
 
     def _position(self, node: ControllerNode, slope: int, task: int) -> int:
         """J⁺e or Jᵀe while every contact touches; otherwise the contacts wait for each other."""

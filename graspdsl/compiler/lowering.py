@@ -49,12 +49,10 @@ class _Lowering:
         self._leaks: list[Leak] = []
 
     def pipeline(self, graph: ControllerGraph) -> Pipeline:
-        displacement = self._level(graph).displacement
-        if graph.gradient_space is GradientSpace.JOINTS:
-            unscale = partial(np.multiply, np.array(self._target.robot.weights))
-            command = self._build.apply("Δq", "joint displacement, scaled back", unscale, displacement)
-        else:
-            command = self._build.apply("Δx", "displacement of each contact [m]", operations.by_contact, displacement)
+        command = self._motion(graph)
+        by_contact = {GradientSpace.SURFACE: operations.by_surface, GradientSpace.CARTESIAN: operations.by_contact}
+        if graph.gradient_space in by_contact:
+            command = self._build.apply("Δ(γ)", "displacement, by contact", by_contact[graph.gradient_space], command)
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
         outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks]]
@@ -67,6 +65,15 @@ class _Lowering:
             moment_residual=number[moment_residual],
             leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
         )
+
+    def _motion(self, graph: ControllerGraph) -> int:
+        """The displacement of a whole controller, scaled back from the coordinates it was worked out in."""
+        space = graph.gradient_space
+        joints = space is GradientSpace.JOINTS
+        scale = np.array(self._target.robot.weights) if joints else self._transforms.contact_scale(space)
+        unscale = partial(np.multiply, scale)
+        about = f"{space.about}, scaled back"
+        return self._build.apply(f"Δ{space.value}", about, unscale, self._level(graph).displacement)
 
     def _level(self, graph: ControllerGraph) -> Level:
         return self._composition(graph) if isinstance(graph, Composition) else self._controller(graph)
@@ -97,7 +104,9 @@ class _Lowering:
     def _certify(self, lower: Level, higher: Level, felt: int, projected: int) -> None:
         measure = operations.leak if self._control.nullspace == "task" else operations.gradient_leak
         label = f"leak {lower.label} → {higher.label}"
-        step = self._build.apply(label, "share of the lower level that the higher one feels", measure, felt, projected)
+        step = self._build.apply(
+            label, "share of the lower level that the higher one feels", measure, felt, lower.displacement, projected
+        )
         self._leaks.append(Leak(lower.label, higher.label, step))
 
     def _controller(self, node: ControllerNode) -> Level:
@@ -123,7 +132,7 @@ class _Lowering:
                 value = build.apply(name, "reference", partial(np.multiply, factor), value)
             case ControllerReference(controller):
                 cap = partial(operations.capped, self._control.cap)
-                moved = build.apply("Δx", "contact displacements, capped", cap, self._level(controller).displacement)
+                moved = build.apply("Δx", "contact displacements, capped", cap, self._motion(controller))
                 rows = partial(operations.rows_of, self._transforms.mixing(resources))
                 shift = build.apply(f"Δx({resources.label})", "displacement by resource", rows, moved)
                 value = build.apply("x_ref", "reference: sensed + displacement", np.add, sensed, shift)

@@ -28,6 +28,11 @@ def by_contact(vector: Array) -> Array:
     return vector.reshape(*vector.shape[:-1], -1, 3)
 
 
+def by_surface(vector: Array) -> Array:
+    """(..., 2m) as (..., m, 2)."""
+    return vector.reshape(*vector.shape[:-1], -1, 2)
+
+
 def stacked(*matrices: Array) -> Array:
     """Matrices (..., d, D) on top of each other."""
     return np.concatenate(matrices, axis=-2)
@@ -39,8 +44,9 @@ def rows_of(mixing: Array, displacement: Array) -> Array:
 
 
 def shared(sharing: Array, jacobian: Array) -> Array:
-    """A Jacobian (..., d, 3k) by contacts that move together: sharing (k, k) has ones between them."""
-    return np.asarray(jacobian @ np.kron(sharing, np.eye(3)))
+    """A Jacobian (..., d, c k) by contacts that move together: sharing (k, k) has ones between them."""
+    coordinates = np.eye(jacobian.shape[-1] // len(sharing))
+    return np.asarray(jacobian @ np.kron(sharing, coordinates))
 
 
 def gated(displacement: Array, gate: Array) -> Array:
@@ -72,19 +78,20 @@ def gradient_projector(*gradients: Array) -> Array:
 VANISHED = 1e-9  # of a displacement [m, or rad over a weight] a tick
 
 
-def leak(higher: Array, lower: Array) -> Array:
-    """How much of a projected lower displacement (..., D) a higher task or gradient (..., d, D) still feels.
+def leak(higher: Array, lower: Array, projected: Array) -> Array:
+    """How much of a lower displacement δ (..., D) a higher task (..., d, D) still feels after its projection to N δ.
 
-    ‖J δ‖ / (‖J‖ ‖δ‖), 0 for perfect priority and at most 1; 0 where nothing moves.
+    ‖J N δ‖ / (‖J‖ ‖δ‖), 0 for perfect priority and at most 1; 0 where nothing moves.
     """
-    felt = np.linalg.norm(times(higher, lower), axis=-1)
+    felt = np.linalg.norm(times(higher, projected), axis=-1)
     scale = np.linalg.norm(higher, axis=(-2, -1)) * np.linalg.norm(lower, axis=-1)
     return np.asarray(np.where(scale > 0.0, felt / np.where(scale > 0.0, scale, 1.0), 0.0))
 
 
-def gradient_leak(higher: Array, lower: Array) -> Array:
-    """The leak into a single higher gradient (..., D)."""
-    return leak(higher[..., None, :], lower)
+def gradient_leak(higher: Array, lower: Array, projected: Array) -> Array:
+    """The leak into a single higher gradient (..., D); none into one that has all but vanished."""
+    present = np.linalg.norm(higher, axis=-1) > VANISHED
+    return np.where(present, leak(higher[..., None, :], lower, projected), 0.0)
 
 
 def pressing(admittance: float, fastest: float, error: Array, touching: Array) -> Array:

@@ -18,6 +18,7 @@ from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
+from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression
@@ -114,6 +115,7 @@ class _ProgramCheck:
         self._named(("scene", "object"), declarations.object, catalogue(), "object")
         if self.robot is None:
             return
+        self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
         table = ResourceTable(declarations.resources, self.robot, complaints)
         self._checker = Checker(table, definitions, declarations.parameters, complaints)
@@ -121,7 +123,7 @@ class _ProgramCheck:
     def _robot(self) -> Robot | None:
         scene = self._declarations
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        mount = self._named(("scene", "mount"), scene.mount, mounts(), "mount")
+        mount = scene.mount.text in mounts()  # the spec's model names the mounts there are
         return robot(scene.hand.text, scene.mount.text) if hand and mount else None
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
@@ -131,6 +133,18 @@ class _ProgramCheck:
         hint = known_names_hint(name.text, known, f"{what}s")
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
+
+    def _parameters_once(self, declarations: Declarations) -> None:
+        document, seen = declarations.document, set[str]()
+        parameters = document.data.get("parameters") if document else None
+        for key in parameters if document and isinstance(parameters, dict) else ():
+            name = canonical(key)
+            if name in seen:
+                self._complaints.about(("parameters", key))
+                span = document.key_span(("parameters", key)) if document else None
+                message = f"{name} is declared twice, in two spellings"
+                self._complaints.error("declared-twice", message, span, "keep one of them")
+            seen.add(name)
 
     def phases(self) -> tuple[CheckedPhase, ...]:
         """The phases that are sound; complaints about the others."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class ReferenceCheck:
     """Checks the references of one spec's controllers."""
 
-    def __init__(self, checker: Checker, parameters: Mapping[str, tuple[float, ...]]) -> None:
+    def __init__(self, checker: Checker, parameters: Mapping[str, tuple[float, ...] | None]) -> None:
         self._checker, self._complaints, self._parameters = checker, checker.complaints, parameters
 
     def reference(
@@ -65,7 +65,7 @@ class ReferenceCheck:
 
     def _parameter(self, name: syntax.Name) -> tuple[float, ...] | None:
         values = self._parameters.get(name.text)
-        if values is None:
+        if name.text not in self._parameters:
             self._complaints.error(
                 "missing-parameter",
                 f"the parameter {name.text} is not given",
@@ -127,6 +127,8 @@ class ReferenceCheck:
                 "use the same resources in both",
             )
             return None
+        if set_of_reference.same_as(resources):
+            set_of_reference = resources  # in the order of the sensor's rows
         return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference)
 
     def _controller(self, tree: syntax.Expression, potential: Potential) -> ControllerReference | None:

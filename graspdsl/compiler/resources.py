@@ -13,7 +13,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_resources
 from graspdsl.notation.printer import to_unicode
-from graspdsl.notation.tree import Name, Resource, Resources, ResourceSet, Virtual
+from graspdsl.notation.tree import Name, Resource, Resources, Virtual
 from graspdsl.spec.constructing import Path
 
 GRAVITY = "γ_g"
@@ -26,20 +26,31 @@ class _Declared:
     path: Path
 
 
+@dataclass(frozen=True, slots=True)
+class _Meant:
+    """What a declared name stands for: a contact or virtual contact alone, or a set."""
+
+    members: tuple[ContactResource, ...]
+    is_set: bool
+
+
 class ResourceTable:
-    """The resources that a spec declares over a robot's contacts."""
+    """The resources that a spec declares over a robot's contacts.
+
+    Each declaration is resolved once and its faults are reported there; what is made of a faulty one is passed over in
+    silence.
+    """
 
     def __init__(self, entries: Sequence[Entry], robot: Robot, complaints: Complaints) -> None:
         self._robot, self._complaints = robot, complaints
         self._declared: dict[str, _Declared] = {}
+        self._meant: dict[str, _Meant | None] = {}
         self._open: list[str] = []
         for entry in entries:
             complaints.about(entry.path)
             self._declare(entry)
         for name, declared in self._declared.items():
-            if not isinstance(declared.meaning, int):
-                complaints.about(declared.path)
-                self._members(Name(name, declared.place))
+            self._named(Name(name, declared.place))
 
     def _declare(self, entry: Entry) -> None:
         name = canonical(entry.key.text)
@@ -47,13 +58,15 @@ class ResourceTable:
             self._complaints.error(
                 "reserved-name", "γ_g is gravity and cannot be declared", whole(entry.key), "choose another name"
             )
-        elif name in self._declared:
+        elif name in self._declared or name in self._meant:
             self._complaints.error(
                 "declared-twice", f"{name} is declared twice, in two spellings", whole(entry.key), "keep one of them"
             )
         else:
             meaning = self._meaning(entry)
-            if meaning is not None:
+            if meaning is None:
+                self._meant[name] = None
+            else:
                 self._declared[name] = _Declared(meaning, whole(entry.value), entry.path)
 
     def _meaning(self, entry: Entry) -> int | Resources | None:
@@ -81,37 +94,81 @@ class ResourceTable:
 
     def resolve(self, tree: Resources) -> ContactSet | None:
         """The set that a resource expression means; None after a complaint."""
-        members = self._members(tree)
-        if members is None:
+        meant = self._meaning_of(tree)
+        if meant is None:
             return None
-        return ContactSet(to_unicode(tree), members, len(self._robot.contacts))
+        return ContactSet(to_unicode(tree), meant.members, len(self._robot.contacts))
 
     def has_gravity(self, tree: Resources) -> bool:
         """Whether γ_g is somewhere in a resource expression."""
-        if isinstance(tree, Name):
-            declared = self._declared.get(tree.text)
-            if declared is None or isinstance(declared.meaning, int) or tree.text in self._open:
-                return tree.text == GRAVITY
-            self._open.append(tree.text)
-            found = self.has_gravity(declared.meaning)
-            self._open.pop()
-            return found
-        return any(self.has_gravity(member) for member in tree.members)
+        waiting: list[Resources] = [tree]
+        seen: set[str] = set()
+        while waiting:
+            part = waiting.pop()
+            if not isinstance(part, Name):
+                waiting += part.members
+            elif part.text == GRAVITY:
+                return True
+            elif part.text in self._declared and part.text not in seen:
+                seen.add(part.text)
+                meaning = self._declared[part.text].meaning
+                waiting += [] if isinstance(meaning, int) else [meaning]
+        return False
 
-    def _members(self, tree: Resources) -> tuple[ContactResource, ...] | None:
-        if isinstance(tree, ResourceSet):
-            if not tree.members:
-                self._complaints.error(
-                    "empty-set", "a set without resources", tree.span, "name at least one resource, {γ1}"
-                )
-                return None
-            return self._each(tree.members)
+    def _meaning_of(self, tree: Resources) -> _Meant | None:
         if isinstance(tree, Name):
-            declared = self._declared.get(tree.text)
-            if declared is not None and isinstance(declared.meaning, ResourceSet):
-                return self._inside(tree, declared)
-        single = self._single(tree)
-        return None if single is None else (single,)
+            return self._named(tree)
+        if isinstance(tree, Virtual):
+            single = self._virtual(tree)
+            return None if single is None else _Meant((single,), is_set=False)
+        if not tree.members:
+            self._complaints.error(
+                "empty-set", "a set without resources", tree.span, "name at least one resource, {γ1}"
+            )
+            return None
+        members = self._each(tree.members)
+        return None if members is None else _Meant(members, is_set=True)
+
+    def _named(self, name: Name) -> _Meant | None:
+        if name.text == GRAVITY:
+            self._complaints.error(
+                "gravity-not-sensed",
+                "γ_g has no place here: this world does not sense where the object's centre of mass is",
+                name.span,
+                "leave γ_g out",
+            )
+            return None
+        if name.text in self._meant:
+            return self._meant[name.text]
+        declared = self._declared.get(name.text)
+        if declared is None:
+            self._complaints.error(
+                "unknown-resource",
+                f"there is no resource {name.text}",
+                name.span,
+                known_names_hint(name.text, self._declared.keys() | self._meant.keys(), "resources"),
+            )
+            return None
+        if name.text in self._open:
+            cycle = " → ".join([*self._open[self._open.index(name.text) :], name.text])
+            self._complaints.error(
+                "resource-cycle", f"{name.text} is declared by itself: {cycle}", name.span, "declare it by contacts"
+            )
+            return None
+        self._open.append(name.text)
+        before = self._complaints.about(declared.path)
+        self._meant[name.text] = self._declared_as(name.text, declared.meaning)
+        self._complaints.about(before)
+        self._open.pop()
+        return self._meant[name.text]
+
+    def _declared_as(self, name: str, meaning: int | Resources) -> _Meant | None:
+        if isinstance(meaning, int):
+            return _Meant((ContactResource(name, ((meaning, 1.0),)),), is_set=False)
+        meant = self._meaning_of(meaning)
+        if meant is None or meant.is_set:
+            return meant
+        return _Meant((ContactResource(name, meant.members[0].weights),), is_set=False)
 
     def _each(self, trees: Sequence[Resource]) -> tuple[ContactResource, ...] | None:
         members = [self._single(tree) for tree in trees]
@@ -128,43 +185,13 @@ class ResourceTable:
             seen[member.weights] = member.label
         return tuple(complete)
 
-    def _inside(self, name: Name, declared: _Declared) -> tuple[ContactResource, ...] | None:
-        """The members behind a declared name, with the cycle that leads back to it caught."""
-        if name.text in self._open:
-            cycle = " → ".join([*self._open[self._open.index(name.text) :], name.text])
-            self._complaints.error(
-                "resource-cycle", f"{name.text} is declared by itself: {cycle}", name.span, "declare it by contacts"
-            )
-            return None
-        self._open.append(name.text)
-        assert not isinstance(declared.meaning, int)
-        found = self._members(declared.meaning)
-        self._open.pop()
-        return found
-
     def _single(self, tree: Resource) -> ContactResource | None:
         if isinstance(tree, Virtual):
             return self._virtual(tree)
-        if tree.text == GRAVITY:
-            self._complaints.error(
-                "gravity-not-sensed",
-                "γ_g has no place here: this world does not sense where the object's centre of mass is",
-                tree.span,
-                "leave γ_g out",
-            )
+        meant = self._named(tree)
+        if meant is None:
             return None
-        declared = self._declared.get(tree.text)
-        if declared is None:
-            self._complaints.error(
-                "unknown-resource",
-                f"there is no resource {tree.text}",
-                tree.span,
-                known_names_hint(tree.text, self._declared, "resources"),
-            )
-            return None
-        if isinstance(declared.meaning, int):
-            return ContactResource(tree.text, ((declared.meaning, 1.0),))
-        if isinstance(declared.meaning, ResourceSet):
+        if meant.is_set:
             self._complaints.error(
                 "set-in-set",
                 f"{tree.text} is a set; a member must be a contact or a virtual contact",
@@ -172,8 +199,7 @@ class ResourceTable:
                 f"to make the contacts of {tree.text} act as one, write them in < >",
             )
             return None
-        members = self._inside(tree, declared)
-        return None if members is None else ContactResource(tree.text, members[0].weights)
+        return meant.members[0]
 
     def _virtual(self, tree: Virtual) -> ContactResource | None:
         if len(tree.members) < 2:

@@ -27,7 +27,7 @@ class Transforms:
     """Makes the steps of sensor and effector transforms over resource sets.
 
     Joints are worked with in scaled coordinates, each divided by its weight, so that metres and radians weigh alike in
-    transposes, inverses and projectors.
+    transposes, inverses and projectors; likewise the contacts, each divided by its ``contact_scale``.
     """
 
     def __init__(self, build: PipelineBuilder, grasp: ContactSet, target: Target) -> None:
@@ -55,7 +55,8 @@ class Transforms:
 
     def effector(self, effector: Effector, resources: ContactSet) -> int:
         """τ(Γ)."""
-        joints = effector.gradient_space is GradientSpace.JOINTS
+        space = effector.gradient_space
+        joints = space is GradientSpace.JOINTS
         label = f"{effector.symbol}({resources.label})"
         step = self._build.apply(
             label,
@@ -63,11 +64,23 @@ class Transforms:
             partial(effector.evaluate, self.mixing(resources) if joints else resources.weights),
             *[self.read(name) for name in effector.reads],
         )
-        if joints or self._control.virtual == "members" or not resources.has_virtual:
+        if joints or not self._grasp.has_virtual:
             return step
+        if self._control.virtual == "members":
+            scale = partial(np.multiply, self.contact_scale(space))
+            return self._build.apply(label, "in scaled contact coordinates", scale, step)
         together = (resources.matrix > 0.0).astype(float)
         share = partial(operations.shared, together.T @ together)
         return self._build.apply(label, "members of a virtual contact move as one, Eq. 4.34", share, step)
+
+    def contact_scale(self, space: GradientSpace) -> Array:
+        """Factors on the coordinates of the contacts in ψ or x: 1/√w for a weight w, so that a member of a virtual
+        contact moves as far as it would alone, and the virtual contact by the mean of that (Eq. 4.34)."""
+        weights = self._grasp.weights
+        scale = np.where(weights > 0.0, 1.0 / np.sqrt(np.where(weights > 0.0, weights, 1.0)), 1.0)
+        if self._control.virtual == "common":
+            scale = np.ones_like(scale)
+        return np.repeat(scale, 2 if space is GradientSpace.SURFACE else 3)
 
     def read(self, name: str) -> int:
         """A field of the observation, or a quantity made of one: ``jacobian``, ``curvature_radius``, ``origin``."""

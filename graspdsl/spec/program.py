@@ -41,22 +41,22 @@ class Control(Model):
     """How gradients become motion. A tick is one step of the control loop."""
 
     step: Metres = Field(
-        default=0.001, gt=0.0, le=0.1, description="displacement (m) a tick for a unit gradient of the force residual"
+        default=0.0005, gt=0.0, le=0.1, description="displacement (m) a tick for a unit gradient of the force residual"
     )
     moment_gain: Number = Field(
         default=1.0, ge=0.0, le=1e6, description="factor (1) on the moment residual's part of the motion"
     )
-    cap: Metres = Field(default=0.0015, gt=0.0, le=0.1, description="largest displacement (m) of a contact a tick")
+    cap: Metres = Field(default=0.00075, gt=0.0, le=0.1, description="largest displacement (m) of a contact a tick")
     admittance: Annotated[Number, Unit("m/N")] = Field(
         default=5e-5, ge=0.0, le=0.1, description="displacement for a unit of force error (m/N) a tick"
     )
     approach: Annotated[Number, Unit("m/s")] = Field(
         default=0.02, gt=0.0, le=1.0, description="speed (m/s) of a contact that does not touch yet"
     )
-    nullspace: Literal["task", "gradient"] = Field(
-        default="task",
-        description="where lower priorities may act; task: the null space of the higher task Jacobians; "
-        "gradient: the directions normal to the higher gradient",
+    nullspace: Literal["gradient", "task"] = Field(
+        default="gradient",
+        description="where lower priorities may act; gradient: the directions normal to the higher gradients (Eq. 4.19); "
+        "task: the null space of the higher task Jacobians",
     )
     inverse: Literal["pseudo-inverse", "transpose"] = Field(
         default="pseudo-inverse", description="what turns contact motion into joint motion"

@@ -20,7 +20,7 @@ from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors
 from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
-from graspdsl.trials.starts import draw, generator
+from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, Witness, World, WorldCrashError
 
 MOST_REDRAWS = 500
@@ -94,9 +94,9 @@ class TrialLoop:
 
     def _begin(self, random: np.random.Generator) -> tuple[Start, int, Observation]:
         surface = self._program.robot.hand.palm_surface
+        starts = draws(self._program.spec.trials.start, self._body, surface, random)
         reason = ""
-        for redraws in range(MOST_REDRAWS):
-            start = draw(self._program.spec.trials.start, self._body, surface, random)
+        for redraws, start in zip(range(MOST_REDRAWS), starts, strict=False):
             try:
                 return start, redraws, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:

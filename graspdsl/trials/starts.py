@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from graspdsl.spec.trials import Start as StartSpec
 from graspdsl.worlds.protocol import Start
 
 UP = np.array([0.0, 0.0, 1.0])
-DRAWN = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+ORIENTATION = ("roll", "yaw", "tilt")
+PLACEMENT = ("height", "standoff", "offset")
+PLACEMENTS_EACH = 100
 
 
 def generator(seed: int, trial: int) -> np.random.Generator:
@@ -21,17 +24,30 @@ def generator(seed: int, trial: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence([seed, trial]))
 
 
-def draw(start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator) -> Start:
-    """One start pose of the hand's mounting face before a standing object at the origin.
+def draws(start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator) -> Iterator[Start]:
+    """Start poses of the hand's mounting face before a standing object at the origin, one after the other.
+
+    A world takes the first that it can take up. Since experiments ask how orientations fare, the next draw keeps the
+    orientation of the hand and draws its placement anew; after PLACEMENTS_EACH of them the orientation is drawn anew
+    too. palm_surface [m] is the palm's distance ahead of the mounting face.
+    """
+    while True:
+        oriented = {name: _value(getattr(start, name), random) for name in ORIENTATION}
+        for _ in range(PLACEMENTS_EACH):
+            placed = {name: _value(getattr(start, name), random) for name in PLACEMENT}
+            yield pose(start.approach, {**oriented, **placed}, body, palm_surface)
+
+
+def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: float) -> Start:
+    """The start pose of drawn values.
 
     The palm faces the object from the side or from above. Its x axis lies along the object's axis (side) or level
-    (top) until it is rolled about the palm's normal; palm_surface [m] is the palm's distance ahead of the face.
+    (top) until it is rolled about the palm's normal.
     """
-    drawn = {name: _value(getattr(start, name), random) for name in DRAWN}
     heading = np.array([math.cos(drawn["yaw"]), math.sin(drawn["yaw"]), 0.0])
     sin, cos = math.sin(drawn["tilt"]), math.cos(drawn["tilt"])
     width, _, height = body.shape.extent
-    if start.approach == "side":
+    if approach == "side":
         normal, level, depth = cos * heading - sin * UP, UP, width / 2
         aim = drawn["height"] * UP
     else:
@@ -40,10 +56,8 @@ def draw(start: StartSpec, body: Body, palm_surface: float, random: np.random.Ge
     first = level - (level @ normal) * normal
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
-    roll = np.array(
-        [[math.cos(drawn["roll"]), -math.sin(drawn["roll"])], [math.sin(drawn["roll"]), math.cos(drawn["roll"])]]
-    )
-    rotation: Array = np.column_stack([np.column_stack([first, second]) @ roll, normal])
+    x = math.cos(drawn["roll"]) * first + math.sin(drawn["roll"]) * second
+    rotation: Array = np.column_stack([x, np.cross(normal, x), normal])
     position = aim + drawn["offset"] * second - (palm_surface + drawn["standoff"] + depth) * normal
     return Start(position, rotation, drawn)
 

@@ -105,7 +105,7 @@ class Scene:
         """Names of the hand's links other than fingertips that press on the object."""
         tips = {tip.link for tip in hand.tips}
         contacts = self._engine.getContactPoints(hand.body, self.object, physicsClientId=self._client)
-        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] not in tips and c[8] <= 0.0}))
+        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] not in tips and c[9] > 0.0}))
 
     def image(self, width: int, height: int) -> Array:
         """A rendered (height, width, 3) picture, 0…255."""
