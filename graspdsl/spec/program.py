@@ -55,7 +55,7 @@ class Control(Model):
     )
     nullspace: Literal["gradient", "task"] = Field(
         default="gradient",
-        description="where lower priorities may act; gradient: the directions normal to the higher gradients (Eq. 4.19); "
+        description="where lower priorities may act; gradient: normal to the higher gradients (Eq. 4.19); "
         "task: the null space of the higher task Jacobians",
     )
     inverse: Literal["pseudo-inverse", "transpose"] = Field(

@@ -27,10 +27,13 @@ def _shape(shape: spec.Cylinder | spec.Sphere | spec.Box) -> Shape:
             return Box(shape.size)
 
 
+def world_of(program: Program) -> BulletWorld:
+    """The world of a program's scene."""
+    scene = program.spec.scene
+    touch = TouchSettings(sensing=scene.sensing)
+    return BulletWorld(BulletSettings(program.robot, body_of(scene.object), scene.friction, touch))
+
+
 def trial_loop(program: Program) -> TrialLoop:
     """The loop that runs the program's trials in its world."""
-    scene = program.spec.scene
-    body = body_of(scene.object)
-    touch = TouchSettings(sensing=scene.sensing)
-    world = BulletWorld(BulletSettings(program.robot, body, scene.friction, touch))
-    return TrialLoop(program, world, body)
+    return TrialLoop(program, world_of(program), body_of(program.spec.scene.object))

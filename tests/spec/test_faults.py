@@ -67,7 +67,7 @@ SHAPE = "an object has exactly one shape (cylinder, sphere or box), found"
             "world: bulet",
             "unknown-value",
             "5:10",
-            "expected bullet or floating, found the text 'bulet'",
+            "expected bullet, found the text 'bulet'",
             "did you mean bullet?",
         ),
         ("world: bullet", "wrld: bullet", "unknown-key", "5:3", "'scene' has no key 'wrld'", "did you mean world?"),

@@ -35,7 +35,7 @@ def test_the_good_spec(tmp_path: Path, good: str) -> None:
     assert spec.program[1].until.moment_residual == 0.005
     assert spec.program[1].limit == 30.0
     assert spec.trials.start.roll == Uniform(uniform=(-1.5, 1.5))
-    assert spec.control.cap == 0.0015
+    assert spec.control.cap == 0.00075
     assert spec.evaluate == ("force-closure", "ferrari-canny", "lift", "shake")
 
 

@@ -110,17 +110,16 @@ class Scene:
     def image(self, width: int, height: int) -> Array:
         """A rendered (height, width, 3) picture, 0…255."""
         engine = self._engine
-        position, _ = self.object_pose()
-        view = engine.computeViewMatrixFromYawPitchRoll(
-            [float(position[0]), float(position[1]), float(position[2]) + 0.02], 0.62, 55, -22, 0, 2
-        )
-        lens = engine.computeProjectionMatrixFOV(42, width / height, 0.05, 3.0)
+        x, y, z = self.object_pose()[0].tolist()
+        view = engine.computeViewMatrixFromYawPitchRoll([x - 0.05, y, z + 0.02], 0.5, 0, -40, 0, 2)
         picture = engine.getCameraImage(
             width,
             height,
             view,
-            lens,
-            lightDirection=[0.6, -0.5, 1.2],
+            engine.computeProjectionMatrixFOV(42, width / height, 0.05, 3.0),
+            lightDirection=[-0.8, -0.6, 1.6],
+            lightAmbientCoeff=0.55,
+            lightDiffuseCoeff=0.55,
             shadow=1,
             renderer=engine.ER_TINY_RENDERER,
             physicsClientId=self._client,

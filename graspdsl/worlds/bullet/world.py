@@ -173,8 +173,13 @@ class BulletWorld:
         """A rendered (height, width, 3) picture of the scene, 0…255, with the software renderer."""
         return self._scene.image(width, height)
 
+    @property
+    def is_open(self) -> bool:
+        """Whether a scene stands."""
+        return self._client >= 0
+
     def close(self) -> None:
         """Shut the simulation down."""
-        if self._client >= 0:
+        if self.is_open:
             self._engine.disconnect(self._client)
             self._client = -1

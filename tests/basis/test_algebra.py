@@ -1,0 +1,113 @@
+"""Small linear algebra against numpy's, and the properties that make projectors and frames what they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import (
+    along,
+    cross,
+    damped_pseudo_inverse,
+    in_columns,
+    in_rows,
+    null_space_projector,
+    skew,
+    tangent_frames,
+    tangent_projectors,
+)
+
+from .drawing import generator, unit_vectors
+
+POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, -0.0, 1.0], [1e-9, 0.0, -1.0], [1.0, 0.0, -0.0]])
+
+
+def _normals() -> Array:
+    return np.concatenate([unit_vectors(generator(), 10_000), POLES])
+
+
+def test_cross_is_numpys() -> None:
+    a, b = generator().normal(size=(2, 4, 5, 3))
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-15)
+    np.testing.assert_allclose(cross(a, b[0, 0]), np.cross(a, b[0, 0]), atol=1e-15)
+
+
+def test_skew_is_cross() -> None:
+    a, b = generator().normal(size=(2, 4, 5, 3))
+    np.testing.assert_allclose(np.einsum("...ij,...j->...i", skew(a), b), cross(a, b), atol=1e-15)
+    np.testing.assert_array_equal(skew(a), -np.swapaxes(skew(a), -1, -2))
+
+
+def test_along_and_tangent_projector_part_a_vector() -> None:
+    normals = _normals()
+    vectors = generator().normal(size=normals.shape)
+    tangential = np.einsum("...ij,...j->...i", tangent_projectors(normals), vectors)
+    np.testing.assert_allclose(along(vectors, normals) + tangential, vectors, atol=1e-14)
+    np.testing.assert_allclose(cross(along(vectors, normals), normals), 0.0, atol=1e-14)
+    np.testing.assert_allclose(np.sum(tangential * normals, axis=-1), 0.0, atol=1e-14)
+
+
+def test_tangent_frames_are_right_handed_and_orthonormal() -> None:
+    normals = _normals()
+    frames = np.concatenate([tangent_frames(normals), normals[..., None]], axis=-1)
+    np.testing.assert_allclose(
+        np.swapaxes(frames, -1, -2) @ frames, np.broadcast_to(np.eye(3), frames.shape), atol=1e-9
+    )
+    np.testing.assert_allclose(np.linalg.det(frames), 1.0, atol=1e-9)
+
+
+def test_blocks_stand_side_by_side_or_on_top_of_each_other() -> None:
+    blocks = generator().normal(size=(2, 4, 3, 5))
+    for one, wide, tall in zip(blocks, in_columns(blocks), in_rows(blocks), strict=True):
+        np.testing.assert_array_equal(wide, np.hstack(list(one)))
+        np.testing.assert_array_equal(tall, np.vstack(list(one)))
+
+
+@pytest.mark.parametrize("shape", [(3, 7), (7, 3), (5, 5), (1, 4)])
+def test_damped_pseudo_inverse_nears_the_pseudo_inverse(shape: tuple[int, int]) -> None:
+    jacobian = generator().normal(size=shape)
+    exact = np.linalg.pinv(jacobian)
+    far, near = (np.abs(damped_pseudo_inverse(damping, jacobian) - exact).max() for damping in (1e-1, 1e-3))
+    assert near < 1e-4
+    assert near < far / 1e3
+
+
+def test_damped_pseudo_inverse_is_bounded_where_the_jacobian_is_singular() -> None:
+    damping = 0.02
+    jacobian = np.outer([1.0, 2.0, 3.0], [1.0, 0.0, 1e-9, 1.0])
+    for singular in (jacobian, 1e-6 * jacobian, np.zeros((3, 4))):
+        assert np.linalg.norm(damped_pseudo_inverse(damping, singular), 2) <= 0.5 / damping * (1 + 1e-9)
+
+
+def _low_rank(random: np.random.Generator, rows: int, rank: int, columns: int) -> Array:
+    return random.normal(size=(rows, rank)) @ random.normal(size=(rank, columns))
+
+
+@pytest.mark.parametrize(("rows", "rank"), [(1, 1), (3, 3), (6, 2), (9, 5), (3, 0), (12, 8)])
+def test_null_space_projector(rows: int, rank: int) -> None:
+    columns = 8
+    random = generator()
+    for _ in range(50):
+        jacobian = _low_rank(random, rows, rank, columns)
+        projector = null_space_projector(jacobian)
+        np.testing.assert_allclose(projector, projector.T, atol=1e-13)
+        np.testing.assert_allclose(projector @ projector, projector, atol=1e-12)
+        np.testing.assert_allclose(jacobian @ projector, 0.0, atol=1e-11)
+        assert np.linalg.matrix_rank(projector, tol=1e-9) == columns - rank
+
+
+def test_rows_without_content_take_no_freedom_away() -> None:
+    jacobian = np.array([[1.0, 0.0, 0.0], [0.0, 1e-9, 0.0]])
+    np.testing.assert_allclose(null_space_projector(jacobian), np.diag([0.0, 1.0, 1.0]), atol=1e-12)
+
+
+def test_inverses_and_projectors_take_batches() -> None:
+    jacobians = generator().normal(size=(2, 3, 4, 6))
+    jacobians[0, 1] = 0.0
+    for place in np.ndindex(2, 3):
+        one = jacobians[place]
+        np.testing.assert_allclose(null_space_projector(jacobians)[place], null_space_projector(one), atol=1e-13)
+        np.testing.assert_allclose(
+            damped_pseudo_inverse(0.1, jacobians)[place], damped_pseudo_inverse(0.1, one), atol=1e-13
+        )

@@ -1,0 +1,159 @@
+"""The chapter's own formulas, 4.3 to 4.7, against central differences and against the basis in use."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross, tangent_frames
+from graspdsl.basis.effectors import EFFECTORS
+from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.sensors import SENSORS
+
+from .differences import central_differences
+from .drawing import generator, inputs
+from .resource_sets import CONTACTS, NESTED, PLAIN, VIRTUAL
+
+ONE = np.ones(1)
+RADIUS = np.array(1.7)
+
+
+def force(angles: Array) -> Array:
+    """Eq. 4.3, of (θ, φ)."""
+    theta, phi = angles
+    return -np.array([np.cos(theta) * np.cos(phi), np.sin(theta) * np.cos(phi), np.sin(phi)])
+
+
+def force_by_angles(angles: Array) -> Array:
+    """Eq. 4.4."""
+    theta, phi = angles
+    return np.array(
+        [
+            [np.sin(theta) * np.cos(phi), np.cos(theta) * np.sin(phi)],
+            [-np.cos(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)],
+            [0.0, -np.cos(phi)],
+        ]
+    )
+
+
+def moment(angles: Array, steps: Array) -> Array:
+    """Eq. 4.6, of (r_θ, r_φ)."""
+    (theta, phi), (r_theta, r_phi) = angles, steps
+    return np.array(
+        [
+            -r_theta * np.sin(phi) * np.cos(theta) + r_phi * np.sin(theta),
+            -r_theta * np.sin(phi) * np.sin(theta) - r_phi * np.cos(theta),
+            r_theta * np.cos(phi),
+        ]
+    )
+
+
+def moment_by_steps(angles: Array) -> Array:
+    """Eq. 4.7."""
+    theta, phi = angles
+    return np.array(
+        [
+            [-np.cos(theta) * np.sin(phi), np.sin(theta)],
+            [-np.sin(theta) * np.sin(phi), -np.cos(theta)],
+            [np.cos(phi), 0.0],
+        ]
+    )
+
+
+def directions(angles: Array) -> Array:
+    """The unit vectors along growing θ and φ, as columns (3, 2)."""
+    theta, phi = angles
+    east = [-np.sin(theta), np.cos(theta), 0.0]
+    north = [-np.cos(theta) * np.sin(phi), -np.sin(theta) * np.sin(phi), np.cos(phi)]
+    return np.array([east, north]).T
+
+
+def places(steepest: float = np.pi / 2) -> Array:
+    """Angles (θ, φ) all over the sphere, up to a latitude."""
+    random = generator()
+    return np.stack([random.uniform(-np.pi, np.pi, 200), random.uniform(-steepest, steepest, 200)], axis=-1)
+
+
+def test_4_4_is_the_derivative_of_4_3() -> None:
+    for angles in places():
+        assert np.abs(force_by_angles(angles) - central_differences(force, angles)).max() < 1e-8
+
+
+def test_4_7_is_the_derivative_of_4_6() -> None:
+    for angles in places():
+        differences = central_differences(lambda steps, at=angles: moment(at, steps), np.zeros(2))
+        assert np.abs(moment_by_steps(angles) - differences).max() < 1e-8
+
+
+def test_4_6_is_the_moment_of_a_point_on_the_tangent_plane() -> None:
+    for angles, steps in zip(places(), generator().normal(size=(200, 2)), strict=True):
+        np.testing.assert_allclose(moment(angles, steps), cross(directions(angles) @ steps, force(angles)), atol=1e-14)
+
+
+def test_force_effector_is_4_4_away_from_the_poles() -> None:
+    """−P/r along east and north is 4.4 over r, but for the cos φ by which a degree of θ is shorter up there."""
+    for angles in places(steepest=np.radians(80)):
+        effector = EFFECTORS["τ_frx"].evaluate(ONE, force(angles)[None], RADIUS)
+        lengths = np.array([np.cos(angles[1]), 1.0])
+        np.testing.assert_allclose(
+            effector @ directions(angles), force_by_angles(angles) / lengths / RADIUS, atol=1e-12
+        )
+
+
+def test_moment_effector_is_4_7() -> None:
+    for angles in places(steepest=np.radians(80)):
+        effector = EFFECTORS["τ_mrx"].evaluate(ONE, force(angles)[None])
+        np.testing.assert_allclose(effector @ directions(angles), moment_by_steps(angles), atol=1e-12)
+
+
+@pytest.mark.parametrize(("by_surface", "by_displacement"), [("τ_fr", "τ_frx"), ("τ_mr", "τ_mrx")])
+def test_4_28_and_4_29_are_4_12_and_4_16_through_the_tangent_frame(by_surface: str, by_displacement: str) -> None:
+    """With ψ in radians on a sphere of radius r, a displacement is r ψ."""
+    given = inputs(generator(), CONTACTS)
+    by_psi, by_x = (
+        effector.evaluate(NESTED.weights, *[given[name] for name in effector.reads])
+        for effector in (EFFECTORS[by_surface], EFFECTORS[by_displacement])
+    )
+    for contact, frame in enumerate(tangent_frames(given["normals"])):
+        step = given["curvature_radius"] * frame
+        in_psi, in_x = by_psi[:, 2 * contact : 2 * contact + 2], by_x[:, 3 * contact : 3 * contact + 3]
+        np.testing.assert_allclose(in_psi, in_x @ step, atol=1e-12)
+
+
+def _slopes(weights: Array, given: dict[str, Array]) -> tuple[Array, Array]:
+    """The gradients ∇φ_fr and ∇φ_mr by contact displacements, (3k,) each."""
+    found = []
+    for potential, sensor, effector in (("φ_fr", "σ_fr", "τ_frx"), ("φ_mr", "σ_mr", "τ_mrx")):
+        sensed = SENSORS[sensor].evaluate(weights, *[given[name] for name in SENSORS[sensor].reads])
+        task = EFFECTORS[effector].evaluate(weights, *[given[name] for name in EFFECTORS[effector].reads])
+        found.append(task.T @ POTENTIALS[potential].gradient(-sensed))
+    return found[0], found[1]
+
+
+def _cosine(one: Array, other: Array) -> float:
+    return float(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
+
+
+def test_slope_is_written_out_per_contact() -> None:
+    """dx_fr ∝ w P F and dx_mr ∝ −w f × M: the forms free of coordinates."""
+    given = inputs(generator(), CONTACTS)
+    weights, normals = VIRTUAL.weights, given["normals"]
+    net = weights @ normals
+    twist = weights @ cross(given["points"] - given["origin"], normals)
+    force_slope, moment_slope = (slope.reshape(-1, 3) for slope in _slopes(weights, given))
+    tangential = net - np.sum(net * normals, axis=-1, keepdims=True) * normals
+    np.testing.assert_allclose(force_slope, 2 * weights[:, None] * tangential / given["curvature_radius"], atol=1e-12)
+    np.testing.assert_allclose(moment_slope, -2 * weights[:, None] * cross(normals, twist[None]), atol=1e-12)
+
+
+def test_force_and_moment_slopes_are_normal_with_equal_weights() -> None:
+    random = generator()
+    for _ in range(200):
+        assert abs(_cosine(*_slopes(PLAIN.weights, inputs(random, CONTACTS)))) < 1e-12
+
+
+def test_force_and_moment_slopes_are_not_normal_with_a_virtual_contact() -> None:
+    random = generator()
+    cosines = [abs(_cosine(*_slopes(VIRTUAL.weights, inputs(random, CONTACTS)))) for _ in range(200)]
+    assert np.median(cosines) > 0.01

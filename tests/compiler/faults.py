@@ -1,0 +1,177 @@
+"""Specs with faults, and the text of what is said of them.
+
+``python -m compiler.faults`` in the folder ``tests`` prints what ``golden/diagnostics.txt`` should hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from graspdsl.compiler.program import examine
+from graspdsl.diagnostics import Diagnostic, as_text
+
+from .specs import spec
+
+
+@dataclass(frozen=True)
+class Case:
+    """A spec, what is given on the command line, and what the two have to do with each other."""
+
+    about: str
+    text: str
+    overrides: tuple[str, ...] = ()
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """What is said of it."""
+        return examine(self.text, "spec.yaml", self.overrides).diagnostics
+
+    def __str__(self) -> str:
+        said = [as_text(diagnostic, "spec.yaml", self.text) for diagnostic in self.diagnostics]
+        return "\n".join([f"## {self.about}", *said])
+
+
+def _formula(about: str, formula: str) -> Case:
+    return Case(about, spec(formula))
+
+
+def _resource(about: str, name: str, meaning: str) -> Case:
+    return Case(about, spec(resources={name: meaning}))
+
+
+def _controller(about: str, formula: str, definitions: dict[str, str]) -> Case:
+    return Case(about, spec(formula, controllers=definitions))
+
+
+def _chain(first: str, next_one: str) -> dict[str, str]:
+    return {"π_a0|Γ Γ": first, **{f"π_a{i}|Γ Γ": next_one.replace("π_a", f"π_a{i - 1}") for i in range(1, 41)}}
+
+
+SCENE = (
+    Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
+    Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
+    Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
+)
+NAMES = (
+    _formula("a potential that is not there", "φ_frr|τ_frx(Γ) σ_fr(Γ)"),
+    _formula("an effector transform that is not there", "φ_fr|τ_frxx(Γ) σ_fr(Γ)"),
+    _formula("a sensor transform that is not there", "φ_fr|τ_frx(Γ) σ_frr(Γ)"),
+    _formula("a controller that is not there", "π_clos|Γ Γ"),
+    _formula("a resource that is not there", "π_close|γ4 γ4"),
+    _formula("a parameter that is not there", "π_s|Γ Γ (κ_x)"),
+    Case("a parameter, and there are none", spec("π_close|Γ Γ", parameters="")),
+)
+CONTROLLERS = (
+    _formula("a sensor of another task space", "φ_fr|τ_frx(Γ) σ_mr(Γ)"),
+    _formula("an effector of another potential", "φ_fr|τ_mrx(Γ) σ_fr(Γ)"),
+    _formula("gravity cannot be moved", "φ_fr|τ_frx({γ1, <γ2, γ_g>}) σ_fr(Γ)"),
+    _formula("◁ between two spaces", "π_gx|Γ Γ ◁ π_close|Γ Γ"),
+    _formula("a gradient that the world cannot carry out", "π_gx|Γ Γ"),
+    _formula("'then' inside ◁", "(π_fr|Γ Γ then π_mr|Γ Γ) ◁ π_g|Γ Γ"),
+    _formula("different resources in one servo", "φ_p|τ_p(Γ) σ_p({γ1, γ2}) (σ_p({γ1, γ2}))"),
+    _formula("different resources where 4.24 needs the same", "π_s|Γ {γ1, γ2} (π_gx|Γ Γ)"),
+    _formula("too many arguments", "π_s|(Γ, Γ) Γ (π_gx|Γ Γ)"),
+    _formula("an abbreviation without its reference", "π_s|Γ Γ"),
+    _formula("an abbreviation with a reference too many", "π_close|Γ Γ (κ_f)"),
+)
+REFERENCES = (
+    _formula("a reference of what strives for zero", "π_s|Γ Γ (φ_fr|τ_frx(Γ) σ_fr(Γ) (0, 0, 0))"),
+    _formula("no reference", "φ_p|τ_p(Γ) σ_p(Γ)"),
+    _formula("a vector of the wrong size", "π_s|Γ Γ (0.1, 0, 0.3)"),
+    _formula("a vector of the wrong size for one resource", "π_s|γ1 γ1 (0.1)"),
+    Case("a list where one number is needed", spec("π_close|Γ Γ", parameters="κ_f: [0.5, 1]")),
+    _formula("a sensor of another space", "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_p(Γ))"),
+    _formula("a sensor over other resources", "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_n({γ1, γ2}))"),
+    _formula("a gradient over the surface where one in x is needed", "π_s|Γ Γ (π_g|Γ Γ)"),
+    _formula("a gradient for forces", "φ_f|τ_f(Γ) σ_f(Γ) (π_gx|Γ Γ)"),
+    _formula("faults inside a reference", "π_s|Γ Γ (φ_mr|τ_mrx(γ9) σ_mr(Γ) ◁ π_gy|Γ Γ)"),
+)
+RESOURCES = (
+    _formula("a set of nothing", "π_close|{} {}"),
+    _formula("a virtual contact of nothing", "π_close|{γ1, <>} Γ"),
+    _formula("a virtual contact of one", "π_close|{γ1, <γ2>} Γ"),
+    _formula("a contact twice in a set", "π_close|{γ1, γ2, γ1} Γ"),
+    _formula("a contact twice in a nested virtual contact", "π_close|{<γ1, <γ2, γ1>>} Γ"),
+    _formula("the same virtual contact twice", "π_close|{<γ2, γ3>, <γ3, γ2>} Γ"),
+    _formula("a set in a set", "π_close|{γ1, Γ} Γ"),
+    _formula("gravity where it is not sensed", "π_s|Γ Γ (φ_fr|τ_frx(Γ) σ_fr({γ1, γ_g}))"),
+    _resource("a contact that the hand has not", "γ3", "finger-4"),
+    _resource("gravity declared", "γ_g", "finger-1"),
+    _resource("a name in two spellings", "gamma_2", "finger-2"),
+    _resource("a text that cannot be read", "Γ", '"{γ1, <γ2, γ3}"'),
+    _resource("a declaration by an unknown name", "Γ_m", '"{γ1, γ7}"'),
+    Case(
+        "declarations in a circle",
+        spec("π_close|Γ_a Γ_a", resources={"Γ_a": "Γ_b", "Γ_b": '"{γ1, γ_c}"', "γ_c": '"<γ2, Γ_a>"'}),
+    ),
+    Case("a circle through an alias", spec(resources={"γ4": "γ5", "γ5": "γ4"})),
+    Case("an alias of a set inside a set", spec("π_close|{γ1, Γ_m} Γ", resources={"Γ_m": "Γ"})),
+)
+DEFINITIONS = (
+    _controller("a name of the prelude", "π_close|Γ Γ", {"π_gx|Γ Γ": "π_close|Γ Γ"}),
+    _controller("a name twice", "π_a|Γ Γ", {"π_a|Γ Γ": "π_close|Γ Γ", "pi_a|G G": "π_close|Γ Γ"}),
+    _controller("a head that cannot be read", "π_close|Γ Γ", {"φ_a|Γ Γ": "π_close|Γ Γ"}),
+    _controller("a body that cannot be read", "π_a|Γ Γ", {"π_a|Γ Γ": "φ_f|τ_f(Γ σ_f(Γ)"}),
+    _controller("a fault in a body", "π_a|Γ Γ", {"π_a|Γ Γ": "π_s|Γ Γ (φ_fr|τ_frx(Γ) σ_mr(Γ))"}),
+    _controller("a definition by itself", "π_a|Γ Γ", {"π_a|Γ Γ": "π_close|Γ Γ ◁ π_a|Γ Γ"}),
+    _controller("definitions in a circle", "π_a|Γ Γ", {"π_a|Γ Γ": "π_b|Γ Γ", "π_b|Γ Γ": "π_a|Γ Γ"}),
+    _controller("sequences in a circle", "π_a", {"π_a": "π_close|Γ Γ then π_b", "π_b": "π_a then π_close|Γ Γ"}),
+    _controller("different resources for one parameter", "π_a|Γ γ1", {"π_a|Γ Γ": "π_close|Γ Γ"}),
+    _controller(
+        "a reference that scales a sensor and is no number",
+        "π_a|Γ Γ (1, 2)",
+        {"π_a|Γ Γ (f)": "φ_f|τ_f(Γ) σ_f(Γ) (f σ_n(Γ))"},
+    ),
+    _controller("definitions that double forty times", "π_a40|Γ Γ", _chain("π_close|Γ Γ", "π_a|Γ Γ ◁ π_a|Γ Γ")),
+    _controller("sets that double forty times", "π_a40|Γ Γ", _chain("π_close|Γ Γ", "π_a|{Γ, Γ} {Γ, Γ}")),
+)
+PROGRAM = (
+    Case("a residual that nothing lowers", spec("π_close|Γ Γ", until="force_residual: 0.1, moment_residual: 0.01")),
+    Case("parameters in two spellings", spec(parameters="κ_f: 0.5, kappa_f: 1")),
+    Case("a parameter that is no number", spec("π_close|Γ Γ", parameters="κ_f: much")),
+    _formula("a formula that cannot be read", "π_close|Γ"),
+)
+OVERRIDES = (
+    Case("a formula on the command line", spec(), ("program.0.run=π_close|Γ γ9",)),
+    Case("a resource on the command line", spec(), ('resources.Γ="{γ1, <γ2, γ9>}"',)),
+    Case("a controller on the command line", spec("π_a|Γ Γ"), ("controllers.π_a|Γ Γ=π_close|Γ γ1 then",)),
+    Case("a parameter on the command line", spec("π_close|Γ Γ"), ("parameters.kappa_f=1",)),
+    Case("a hand on the command line", spec(), ("scene.hand=baret",)),
+    Case("a condition on the command line", spec("π_close|Γ Γ"), ("program.0.until.force_residual=0.1",)),
+)
+SEVERAL = (
+    Case(
+        "faults of every kind at once",
+        spec(
+            "π_close|γ4 Γ",
+            "π_s|Γ Γ (π_g|Γ Γ)",
+            "π_a|Γ Γ ◁ ◁ π_b",
+            scene="world: bullet, hand: barrett, object: towl, friction: -1",
+            resources={"γ2": "finger-9", "Γ_m": "'{γ1, <γ3>}'"},
+            controllers={"π_a|Γ Γ": "φ_zz|τ_p(Γ) σ_p(Γ) (0)", "π_b": "φ_f(Γ)"},
+            control="stepp: 1",
+        ).replace("name: test\n", "name: test\nname: again\n"),
+        ("program.1.run=π_s|Γ Γ (π_g|γ1 Γ)", "trials.count=none"),
+    ),
+)
+CASES = (
+    *SCENE,
+    *NAMES,
+    *CONTROLLERS,
+    *REFERENCES,
+    *RESOURCES,
+    *DEFINITIONS,
+    *PROGRAM,
+    *OVERRIDES,
+    *SEVERAL,
+)
+
+
+def report() -> Iterator[str]:
+    """What is said of every case."""
+    return (str(case) for case in CASES)
+
+
+if __name__ == "__main__":
+    print("\n\n".join(report()))

@@ -1,0 +1,35 @@
+"""The spec that the tests start from, made of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from graspdsl.compiler.program import Program, program_of
+
+RESOURCES = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": '"{γ1, <γ2, γ3>}"'}
+
+
+def spec(
+    *formulas: str,
+    scene: str = "world: bullet, hand: barrett, object: towel-roll",
+    resources: Mapping[str, str] | None = None,
+    parameters: str = "κ_f: 0.5",
+    controllers: Mapping[str, str] | None = None,
+    until: str = "contact: all",
+    control: str = "",
+) -> str:
+    """The text of a spec without a fault, but for what is given."""
+    lines = ["graspdsl: 1", "name: test", f"scene: {{{scene}}}", "resources:"]
+    lines += [f"  {name}: {meaning}" for name, meaning in {**RESOURCES, **(resources or {})}.items()]
+    lines += [f"parameters: {{{parameters}}}"]
+    lines += ["controllers:"] if controllers else []
+    lines += [f"  {head}: {body}" for head, body in (controllers or {}).items()]
+    lines += [f"control: {{{control}}}", "program:"]
+    for formula in formulas or ("π_s|Γ Γ (π_gx|Γ Γ)",):
+        lines += [f"  - run: {formula}", f"    until: {{{until}}}"]
+    return "\n".join(lines) + "\n"
+
+
+def program(formula: str, control: str = "", **parts: str) -> Program:
+    """The program of one formula."""
+    return program_of(spec(formula, control=control, **parts), "test.yaml")

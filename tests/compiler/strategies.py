@@ -1,0 +1,110 @@
+"""Generated formulas out of the names of the basis and of the default scene: any of them, and sound ones."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+from hypothesis.strategies import SearchStrategy
+
+from graspdsl.basis.effectors import EFFECTORS
+from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.sensors import SENSORS
+from graspdsl.basis.spaces import DISPLACES, GradientSpace
+from graspdsl.compiler.definitions import prelude
+from graspdsl.notation.tree import (
+    Abbreviation,
+    Controller,
+    Expression,
+    Name,
+    Reference,
+    Resource,
+    Resources,
+    ResourceSet,
+    ScaledSensor,
+    SubjectTo,
+    Then,
+    Transform,
+    Vector,
+    Virtual,
+)
+
+contacts = st.sampled_from(["γ1", "γ2", "γ3"]).map(Name)
+virtual = st.permutations(["γ1", "γ2", "γ3"]).map(lambda names: Virtual(tuple(map(Name, names[:2]))))
+odd: SearchStrategy[Resource] = st.sampled_from([Name("γ_g"), Name("γ9"), Name("Γ"), Virtual(())])
+members = st.lists(contacts | virtual | odd, max_size=3).map(tuple)
+resources: SearchStrategy[Resources] = st.one_of(
+    st.just(Name("Γ")), st.just(Name("Γ")), contacts, virtual, members.map(ResourceSet), members.map(Virtual)
+)
+vectors = st.sampled_from([1, 3, 6, 9]).map(lambda size: Vector((0.25,) * size))
+factors = st.none() | st.floats(-2, 2) | st.sampled_from(["κ_f", "κ_x"]).map(Name)
+
+
+def _transforms(table: list[str]) -> SearchStrategy[Transform]:
+    return st.builds(Transform, st.sampled_from(table).map(Name), resources)
+
+
+scaled = st.builds(ScaledSensor, factors, _transforms([*SENSORS, "σ_z"]))
+
+
+def _controllers(references: SearchStrategy[Reference | None]) -> SearchStrategy[Expression]:
+    anything = st.builds(
+        Controller,
+        st.sampled_from([*POTENTIALS, "φ_z"]).map(Name),
+        _transforms([*EFFECTORS, "τ_z"]),
+        _transforms([*SENSORS, "σ_z"]),
+        references,
+    )
+    names = st.sampled_from([*prelude(), "π_z"]).map(Name)
+    abbreviation = st.builds(
+        lambda name, over, reference: Abbreviation(name, (over,), (over,), reference), names, resources, references
+    )
+    return abbreviation | abbreviation | anything
+
+
+def _larger(smaller: SearchStrategy[Expression]) -> SearchStrategy[Expression]:
+    several = st.lists(smaller, min_size=2, max_size=3).map(tuple)
+    return several.map(SubjectTo) | several.map(Then) | _controllers(smaller)
+
+
+formulas: SearchStrategy[Expression] = st.recursive(
+    _controllers(st.none() | vectors | scaled | st.just(Name("κ_f"))), _larger, max_leaves=5
+)
+
+
+three = ["γ1", "γ2", "γ3"]
+apart = st.permutations(three).flatmap(
+    lambda names: st.sampled_from(
+        [
+            Name("Γ"),
+            Name(names[0]),
+            ResourceSet((Name(names[0]), Name(names[1]))),
+            ResourceSet((Virtual((Name(names[0]), Name(names[1]))), Name(names[2]))),
+            Virtual((Name(names[0]), Virtual((Name(names[1]), Name(names[2]))))),
+        ]
+    )
+)
+
+
+@st.composite
+def sound(draw: st.DrawFn, space: GradientSpace) -> Expression:
+    """One to three controllers of a gradient space under ◁, each of them as the tables have it."""
+    terms = [draw(_sound_controller(space)) for _ in range(draw(st.integers(1, 3)))]
+    return terms[0] if len(terms) == 1 else SubjectTo(tuple(terms))
+
+
+@st.composite
+def _sound_controller(draw: st.DrawFn, space: GradientSpace) -> Expression:
+    ways = [(p, name) for p in POTENTIALS.values() for name in p.effectors if EFFECTORS[name].gradient_space is space]
+    potential, effector = draw(st.sampled_from(ways))
+    sensor = draw(st.sampled_from(potential.sensors))
+    sensed = draw(apart)
+    moved = sensed if SENSORS[sensor].per_contact else draw(apart)
+    reference: Reference | None = None
+    if potential.references:
+        made_of = Transform(Name(draw(st.sampled_from(potential.references))), sensed)
+        reference = ScaledSensor(draw(st.none() | st.floats(-2, 2) | st.just(Name("κ_f"))), made_of)
+        displacing = [gradient for gradient, task in DISPLACES.items() if task is potential.space]
+        if displacing and draw(st.booleans()):
+            reference = draw(sound(displacing[0]))
+    return Controller(
+        Name(potential.symbol), Transform(Name(effector), moved), Transform(Name(sensor), sensed), reference
+    )

@@ -1,0 +1,137 @@
+"""What ◁ promises: a lower level does not disturb a higher one, at any depth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from graspdsl.arrays import Array
+from graspdsl.compiler import operations
+
+from .observations import FIRST, SECOND, THUMB, WEIGHTS, command, compiled, observation
+
+PRESS = "φ_f|τ_f(γ3) σ_f(γ3) (κ_f σ_n(γ3))"
+SECOND_LEVEL = "φ_p|τ_p(γ2) σ_p(γ2) (0.1, 0.2, 0.3)"
+LOWEST = "φ_p|τ_p(γ1) σ_p(γ1) (0.3, 0.2, 0.1)"
+TWO, THREE = f"{SECOND_LEVEL} ◁ {PRESS}", f"{LOWEST} ◁ {SECOND_LEVEL} ◁ {PRESS}"
+SEEDS = range(10)
+EACH_NULLSPACE = pytest.mark.parametrize("nullspace", ["task", "gradient"])
+
+
+def null_space(jacobian: Array) -> Array:
+    """I − J⁺J."""
+    projector: Array = np.eye(jacobian.shape[1]) - np.linalg.pinv(jacobian) @ jacobian
+    return projector
+
+
+@pytest.mark.parametrize("virtual", ["members", "common"])
+def test_sliding_does_not_press(virtual: str) -> None:
+    """The means along the normals of each resource keep still: J_f N Δ = 0."""
+    rows = {"members": [[THUMB], [FIRST], [SECOND]], "common": [[THUMB], [FIRST, SECOND]]}[virtual]
+    for seed in SEEDS:
+        seen = observation(seed)
+        sliding, pressing = (
+            command(f, seen, virtual=virtual, nullspace="task") for f in ("π_s|Γ Γ (π_gx|Γ Γ)", "π_close|Γ Γ")
+        )
+        depth = np.einsum("ki,kin,n->k", seen.normals, seen.jacobian, sliding - pressing)
+        motion = seen.normals * depth[:, None]
+        assert np.linalg.norm(sliding - pressing) > 1e-6
+        assert np.abs([motion[row].mean(axis=0) for row in rows]).max() < 1e-9 * np.linalg.norm(sliding)
+
+
+@EACH_NULLSPACE
+def test_sliding_does_not_undo_the_force_step(nullspace: str) -> None:
+    for seed in SEEDS:
+        seen = observation(seed)
+        slide, press = (command(f, seen, nullspace=nullspace) for f in ("π_s|Γ Γ (π_gx|Γ Γ)", "π_close|Γ Γ"))
+        lower, higher = (slide - press) / WEIGHTS, press / WEIGHTS
+        assert abs(lower @ higher) < 1e-9 * np.linalg.norm(lower) * np.linalg.norm(higher)
+
+
+@EACH_NULLSPACE
+@pytest.mark.parametrize("formula", [THREE, "π_s|Γ Γ (π_gx|Γ Γ)", "π_gx|Γ Γ", f"({LOWEST} ◁ {SECOND_LEVEL}) ◁ {PRESS}"])
+def test_certified_leaks_are_nothing(formula: str, nullspace: str) -> None:
+    pipeline = compiled(formula, nullspace=nullspace)
+    for seed in SEEDS:
+        leaks = pipeline.evaluate(observation(seed)).leaks
+        assert leaks
+        assert max(leaks) < 1e-12
+
+
+def test_each_pair_of_levels_is_certified() -> None:
+    assert [(leak.lower, leak.higher) for leak in compiled(THREE).leaks] == [
+        ("φ_p", "φ_f"),
+        ("φ_p", "φ_f"),
+        ("φ_p", "φ_p"),
+    ]
+
+
+def test_a_chain_holds_where_nested_projection_leaks() -> None:
+    for seed in SEEDS:
+        seen = observation(seed)
+        three, two, one, alone = (command(f, seen, nullspace="task") / WEIGHTS for f in (THREE, TWO, PRESS, LOWEST))
+        lowest, middle = three - two, two - one
+        press_task = (seen.normals[SECOND] @ seen.jacobian[SECOND] * WEIGHTS)[None]
+        second_task = seen.jacobian[FIRST] * WEIGHTS
+        assert np.linalg.norm(press_task @ middle) < 1e-9 * np.linalg.norm(middle)
+        for task in (press_task, second_task):
+            assert np.linalg.norm(task @ lowest) < 1e-9 * np.linalg.norm(lowest)
+        stacked = null_space(np.vstack([press_task, second_task])) @ alone
+        np.testing.assert_allclose(lowest, stacked, atol=1e-9 * np.linalg.norm(alone))
+        nested = null_space(press_task) @ null_space(second_task) @ alone
+        assert np.linalg.norm(second_task @ nested) > 1e-4 * np.linalg.norm(nested)
+
+
+def test_lower_levels_reach_their_goals_with_the_freedom_that_is_left() -> None:
+    """Ten joints in a linear world have enough of it for one force and two positions."""
+    pipeline, seen = compiled(THREE, nullspace="task"), observation()
+    seen.forces[:] = 0.5 * seen.normals
+    for _ in range(2000):
+        step = pipeline.evaluate(seen).command.displacement
+        seen.points[:] += seen.jacobian @ step
+        assert abs(seen.normals[SECOND] @ seen.jacobian[SECOND] @ step) < 1e-9
+    np.testing.assert_allclose(seen.points[FIRST], [0.1, 0.2, 0.3], atol=1e-4)
+    np.testing.assert_allclose(seen.points[THUMB], [0.3, 0.2, 0.1], atol=1e-4)
+
+
+@EACH_NULLSPACE
+def test_without_a_virtual_contact_projection_changes_nothing(nullspace: str) -> None:
+    """Both residual gradients are normal to each other then, so that ◁ is a sum and its order does not matter."""
+    plain = "{γ1, γ2, γ3}"
+    parts = [f"φ_mr|τ_mrx({plain}) σ_mr({plain})", f"φ_fr|τ_frx({plain}) σ_fr({plain})"]
+    for seed in SEEDS:
+        seen = observation(seed)
+        moment, force = (command(part, seen, nullspace=nullspace) for part in parts)
+        assert abs(np.sum(moment * force)) < 1e-12 * np.linalg.norm(moment) * np.linalg.norm(force)
+        if nullspace == "gradient":
+            for order in (parts, parts[::-1]):
+                found = command(" ◁ ".join(order), seen, nullspace=nullspace)
+                np.testing.assert_allclose(found, moment + force, atol=1e-12 * np.linalg.norm(found))
+
+
+def test_a_gradient_that_has_vanished_takes_no_freedom_away() -> None:
+    """A force servo at its goal has no direction of its own."""
+    seen = observation()
+    seen.forces[:] = 0.5 * seen.normals
+    slide, move = (
+        command(f, seen, nullspace="gradient") for f in ("π_s|Γ Γ (π_gx|Γ Γ)", "φ_p|τ_p(Γ) σ_p(Γ) (π_gx|Γ Γ)")
+    )
+    np.testing.assert_allclose(slide, move, atol=1e-9 * np.linalg.norm(move))
+    assert compiled("π_s|Γ Γ (π_gx|Γ Γ)", nullspace="gradient").evaluate(seen).leaks == pytest.approx(
+        [0.0, 0.0], abs=1e-12
+    )
+
+
+@EACH_NULLSPACE
+def test_rounding_errors_are_no_leaks(nullspace: str) -> None:
+    """What a level wants of which nothing is left after projection."""
+    tick = compiled(f"{PRESS} ◁ {PRESS}", nullspace=nullspace).evaluate(observation())
+    assert max(tick.leaks) < 1e-12
+
+
+def test_leaks_are_measured() -> None:
+    """On a projection that does nothing, a leak is the cosine between gradients."""
+    higher, lower = np.array([3.0, 4.0]), np.array([2.0, 0.0])
+    assert operations.gradient_leak(higher, lower, lower) == pytest.approx(0.6)
+    assert operations.leak(higher[None], lower, 0.5 * lower) == pytest.approx(0.3)
+    assert operations.leak(higher[None], 0.0 * lower, 0.0 * lower) == 0.0

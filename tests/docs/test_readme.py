@@ -1,0 +1,73 @@
+"""Every block of the README is what it claims to be: commands run, specs are the shipped ones, messages are real."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from graspdsl.compiler.program import examine
+from graspdsl.diagnostics import as_text
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text("utf-8")
+BLOCKS = re.findall(r"(?:<!-- (\w+): (.*?) -->\n)?```(\w+)\n(.*?)```", README, flags=re.S)
+COMMANDS = [line for _, _, kind, text in BLOCKS if kind == "sh" for line in text.splitlines()]
+
+
+def blocks(kind: str) -> list[tuple[str, str]]:
+    """The argument and text of the blocks that a comment marks as of this kind."""
+    return [(argument, text) for mark, argument, _, text in BLOCKS if mark == kind]
+
+
+def test_every_block_is_checked() -> None:
+    """A block is a command, or it is marked with what it must equal."""
+    assert all(mark or language == "sh" for mark, _, language, _ in BLOCKS)
+    assert len(BLOCKS) >= 6
+
+
+@pytest.mark.parametrize("command", [line for line in COMMANDS if line.startswith("graspdsl ")])
+def test_commands_run(command: str, tmp_path: Path) -> None:
+    """The graspdsl commands run as they stand; runs go to a folder of their own."""
+    words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)]
+    program = Path(sys.executable).with_name("graspdsl")
+    done = subprocess.run([program, *words[1:]], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_make_knows_the_targets() -> None:
+    """What the README tells people to make, the Makefile has, and its demo is the command by hand."""
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    targets = [line.split()[1] for line in COMMANDS if line.startswith("make ")]
+    assert targets == ["demo", "test"]
+    assert all(re.search(rf"^{target}:", makefile, flags=re.M) for target in targets)
+    [by_hand] = [line for line in COMMANDS if "graspdsl run" in line and line.startswith(".venv")]
+    assert by_hand.removeprefix(".venv/bin/") in makefile
+
+
+def test_specs_are_the_shipped_ones() -> None:
+    """A spec in the README is the file it names, to the letter."""
+    for name, text in blocks("spec"):
+        assert text == (ROOT / "specs" / name).read_text("utf-8")
+
+
+def test_messages_are_real() -> None:
+    """A diagnostic in the README is what the tool says when the shown spec is changed as noted."""
+    [(_, good)] = blocks("spec")
+    for change, shown in blocks("diagnostics"):
+        old, new = change.split(" → ")
+        assert good.count(old) == 1
+        faulty = good.replace(old, new)
+        found = "\n".join(as_text(d, "spec.yaml", faulty) for d in examine(faulty, "spec.yaml").diagnostics)
+        assert shown.strip() == found
+
+
+def test_pictures_exist() -> None:
+    """Every picture and linked file of the README is there."""
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        assert target.startswith("http") or (ROOT / target).is_file()

@@ -1,0 +1,144 @@
+"""The house rules: which way imports go, who may use which library, and what every module has."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LONGEST_FILE = 350  # lines
+
+# A package may import those of the rows above its own, and itself.
+ORDER = (
+    {"diagnostics", "arrays"},
+    {"spec", "notation"},
+    {"basis"},
+    {"hands", "objects"},
+    {"worlds"},
+    {"compiler"},
+    {"quality"},
+    {"trials"},
+    {"report"},
+    {"cli"},
+)
+ROW = {package: row for row, packages in enumerate(ORDER) for package in packages}
+
+FOLDERS = {"graspdsl": ROOT / "graspdsl", "graspdsl.cli": ROOT / "cli"}
+MODULES = {
+    ".".join((package, *path.relative_to(folder).with_suffix("").parts)).removesuffix(".__init__"): path
+    for package, folder in FOLDERS.items()
+    for path in sorted(folder.rglob("*.py"))
+}
+EACH_MODULE = pytest.mark.parametrize("module", MODULES)
+
+
+def _tree(module: str) -> ast.Module:
+    return ast.parse(MODULES[module].read_text(encoding="utf-8"))
+
+
+def _package(module: str) -> str:
+    """The part of graspdsl that a module belongs to; empty for graspdsl itself."""
+    return f"{module}..".split(".")[1]
+
+
+def _imports(module: str) -> Iterator[str]:
+    """The modules that a module imports, at its top or later, also by name through importlib."""
+    for node in ast.walk(_tree(module)):
+        match node:
+            case ast.Import(names):
+                yield from (alias.name for alias in names)
+            case ast.ImportFrom(source, names, level):
+                assert level == 0, "relative imports hide which way they go"
+                yield from (f"{source}.{alias.name}" for alias in names)
+            case ast.Call(func=ast.Attribute(attr="import_module"), args=[ast.Constant(str(name)), *_]):
+                yield name
+
+
+def _importers(library: str) -> set[str]:
+    return {module for module in MODULES if any(name.split(".")[0] == library for name in _imports(module))}
+
+
+def _within(package: str, modules: set[str]) -> bool:
+    return all(f"{module}.".startswith(f"graspdsl.{package}.") for module in modules)
+
+
+def test_every_part_has_its_row() -> None:
+    assert {_package(module) for module in MODULES} - {""} <= set(ROW)
+
+
+@EACH_MODULE
+def test_imports_go_one_way(module: str) -> None:
+    own = _package(module)
+    row = ROW[own] if own else len(ORDER)
+    imported = {_package(name) for name in _imports(module) if name.startswith("graspdsl.")}
+    assert {other for other in imported if other not in ("", own) and ROW[other] >= row} == set()
+
+
+@pytest.mark.parametrize("library", ["pybullet", "pybullet_data"])
+def test_only_the_bullet_world_imports_pybullet(library: str) -> None:
+    assert _within("worlds.bullet", _importers(library))
+
+
+def test_pybullet_is_not_loaded_before_a_bullet_world_is_built() -> None:
+    code = "import graspdsl.cli, graspdsl.compiler.program, sys; sys.exit('pybullet' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
+
+
+@pytest.mark.parametrize("library", ["rich", "typer", "click"])
+def test_only_the_command_line_knows_colours(library: str) -> None:
+    assert _within("cli", _importers(library))
+
+
+@pytest.mark.parametrize("library", ["matplotlib", "jinja2"])
+def test_only_the_report_draws(library: str) -> None:
+    assert _within("report", _importers(library))
+
+
+@EACH_MODULE
+def test_only_the_command_line_prints(module: str) -> None:
+    if _package(module) != "cli":
+        called = {getattr(node.func, "id", "") for node in ast.walk(_tree(module)) if isinstance(node, ast.Call)}
+        assert "print" not in called
+
+
+def test_packages_of_the_project_are_the_folders_there_are() -> None:
+    """A package that is not listed works in place and is missing from the wheel."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+    folders = {module for module, path in MODULES.items() if path.name == "__init__.py"}
+    assert set(settings["packages"]) == folders
+    assert len(settings["packages"]) == len(folders)
+
+
+@EACH_MODULE
+def test_every_folder_of_modules_is_a_package(module: str) -> None:
+    assert MODULES[module].with_name("__init__.py").exists()
+
+
+@EACH_MODULE
+def test_what_is_public_has_a_docstring(module: str) -> None:
+    tree = _tree(module)
+    assert not tree.body or ast.get_docstring(tree)
+    assert [name for name, node in _public(tree) if not ast.get_docstring(node)] == []
+
+
+Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+
+
+def _public(scope: ast.Module | ast.ClassDef) -> Iterator[tuple[str, Definition]]:
+    """The public functions and classes of a module, and the public methods of those classes."""
+    for node in scope.body:
+        if isinstance(node, Definition) and not node.name.startswith("_"):
+            yield node.name, node
+            if isinstance(node, ast.ClassDef):
+                yield from ((f"{node.name}.{name}", inner) for name, inner in _public(node))
+
+
+@EACH_MODULE
+def test_files_are_short(module: str) -> None:
+    assert len(MODULES[module].read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
