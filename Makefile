@@ -15,8 +15,11 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
+# The folder cli/ is the package graspdsl.cli: mypy sees the packages as they are installed.
 types: $(VENV)/.installed-dev
-	$(BIN)/mypy
+	rm -rf build/types && mkdir -p build/types/graspdsl
+	ln -s $(CURDIR)/graspdsl/* $(CURDIR)/cli build/types/graspdsl/
+	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml --package graspdsl
 
 unit: $(VENV)/.installed-dev
 	$(BIN)/pytest -n auto
