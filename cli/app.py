@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from graspdsl.cli.messages import as_file_json, complain, result, result_json
+from graspdsl.cli.inputs import answering, examined, sound
+from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
+from graspdsl.diagnostics import has_errors
 
 app = typer.Typer(
     name="graspdsl",
@@ -21,9 +22,19 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-SpecPath = Annotated[Path, typer.Argument(metavar="SPEC", help="A spec file (YAML).")]
+# The bounds of trials.count and trials.seed in a spec, repeated here because typer needs them at once.
+MOST_TRIALS, LARGEST_SEED = 100_000, 2**63 - 1
+MOST_WORKERS = 1024
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
-Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value, scene.friction=0.6.")]
+Trials = Annotated[int | None, typer.Option(min=1, max=MOST_TRIALS, help="How many trials, not what the spec says.")]
+Seed = Annotated[int | None, typer.Option(min=0, max=LARGEST_SEED, help="The seed, not what the spec says.")]
+Workers = Annotated[
+    int | None, typer.Option(min=1, max=MOST_WORKERS, help="How many processes; the numbers do not depend on it.")
+]
+Out = Annotated[Path | None, typer.Option(metavar="DIR", help="The run's folder; by default a new one in runs/.")]
+Resume = Annotated[Path | None, typer.Option(metavar="DIR", help="Finish the run in this folder.")]
+Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
 
 
 def _version(wanted: bool) -> None:
@@ -45,70 +56,57 @@ def _graspdsl(
 
 @app.command()
 def validate(
-    specs: Annotated[list[Path], typer.Argument(metavar="SPEC…", help="Spec files (YAML).")], as_json: AsJson = False
+    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Spec files (YAML).")], as_json: AsJson = False
 ) -> None:
-    """Check specs: every fault of every file, with its place and a way out. Starts no simulator."""
-    files, sound = [], True
-    for path in specs:
-        source, diagnostics = _examined(path)
-        sound = sound and not has_errors(diagnostics)
-        files.append(as_file_json(str(path), diagnostics))
-        if not as_json:
-            complain(str(path), source, diagnostics, sys.stdout)
-            if not has_errors(diagnostics):
-                result(f"{path}: ok")
-    if as_json:
-        result_json({"files": files})
-    raise typer.Exit(0 if sound else 1)
-
-
-def _examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[str, tuple[Diagnostic, ...]]:
-    from graspdsl.compiler.program import examine
-    from graspdsl.spec.files import read_text
-
-    try:
-        source = read_text(path)
-    except DiagnosticError as error:
-        return "", error.diagnostics
-    return source, examine(source, path.name, overrides).diagnostics
+    """Check specs: every fault, with its place and a way out."""
+    files, every_one_sound = [], True
+    with answering():
+        for path in specs:
+            _, source, diagnostics = examined(path)
+            faulty = has_errors(diagnostics)
+            every_one_sound = every_one_sound and not faulty
+            files.append(as_file_json(str(path), diagnostics))
+            if not as_json:
+                complain(str(path), source, diagnostics, sys.stdout)
+                if not faulty:
+                    result(printable(f"{path}: ok"))
+        if as_json:
+            result_json({"files": files})
+    raise typer.Exit(0 if every_one_sound else WRONG_INPUT)
 
 
 @app.command()
 def run(
-    spec: Annotated[Path | None, typer.Argument(metavar="[SPEC]", help="A spec file (YAML).")] = None,
-    trials: Annotated[int | None, typer.Option(help="How many trials, instead of what the spec says.")] = None,
-    seed: Annotated[int | None, typer.Option(help="The seed, instead of what the spec says.")] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="How many processes; the numbers do not depend on it.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="The run's folder; by default a new one in runs/.")
-    ] = None,
-    resume: Annotated[Path | None, typer.Option(metavar="DIR", help="Finish the run in this folder.")] = None,
+    spec: Annotated[Path | None, typer.Argument(metavar="SPEC", help="A spec file (YAML).")] = None,
+    trials: Trials = None,
+    seed: Seed = None,
+    workers: Workers = None,
+    out: Out = None,
+    resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
 ) -> None:
     """Run a spec's trials and report what the controller did."""
-    from graspdsl.cli.running import begin, finish, go_on
+    with answering(as_json):
+        if resume is not None:
+            if trials is not None or seed is not None or out is not None or settings:
+                message = "a resumed run keeps its trials, seed, folder and settings"
+                raise typer.BadParameter(message, param_hint="--resume")
+            from graspdsl.cli.running import finish, go_on
 
-    if resume is not None:
-        if trials is not None or seed is not None or out is not None or settings:
-            raise typer.BadParameter("a resumed run keeps its trials, seed, folder and settings", param_hint="--resume")
-        folder = go_on(resume, spec)
-    elif spec is None:
-        raise typer.BadParameter("give a spec, or --resume a run", param_hint="SPEC")
-    else:
-        overrides = list(settings)
-        overrides += [f"trials.count={trials}"] if trials is not None else []
-        overrides += [f"trials.seed={seed}"] if seed is not None else []
-        source, diagnostics = _examined(spec, tuple(overrides))
-        complain(str(spec), source, diagnostics)
-        if has_errors(diagnostics):
-            if as_json:
-                result_json({"files": [as_file_json(str(spec), diagnostics)]})
-            raise typer.Exit(1)
-        folder = begin(spec, source, tuple(overrides), out)
-    raise typer.Exit(finish(folder, workers, as_json))
+            folder = go_on(resume, spec)
+        elif spec is None:
+            raise typer.BadParameter("give a spec, or --resume a run", param_hint="SPEC")
+        else:
+            overrides = list(settings)
+            overrides += [f"trials.count={trials}"] if trials is not None else []
+            overrides += [f"trials.seed={seed}"] if seed is not None else []
+            program, source = sound(spec, tuple(overrides))
+            from graspdsl.cli.running import begin, finish
+
+            folder = begin(program, source, spec.name, tuple(overrides), out)
+        code = finish(folder, workers, as_json)
+    raise typer.Exit(code)
 
 
 class Form(enum.StrEnum):
@@ -128,24 +126,25 @@ def explain(
     form: Annotated[Form, typer.Option("--as", help="What to show of it.")] = Form.TEXT,
     as_json: AsJson = False,
 ) -> None:
-    """Show what a formula means: its equations, spaces, shapes and the pipeline it becomes."""
-    from graspdsl.cli.explaining import explanations_of_expression, explanations_of_spec
+    """Show what a formula means: equations, spaces, pipeline."""
+    from graspdsl.cli.explaining import explanations
 
-    is_file = what.endswith((".yaml", ".yml")) or Path(what).is_file()
-    explanations = explanations_of_spec(Path(what)) if is_file else explanations_of_expression(what)
-    if explanations is None:
-        raise typer.Exit(1)
-    if as_json or form is Form.JSON:
-        result_json({"phases": [explanation.as_dict() for explanation in explanations]})
-        return
-    show = {
-        Form.TEXT: lambda explanation: explanation.text(),
-        Form.UNICODE: lambda explanation: explanation.unicode(),
-        Form.ASCII: lambda explanation: explanation.ascii(),
-        Form.TREE: lambda explanation: explanation.tree(),
-        Form.PIPELINE: lambda explanation: explanation.pipeline(),
-    }[form]
-    result("\n\n".join(show(explanation) for explanation in explanations))
+    wants_json = as_json or form is Form.JSON
+    with answering(wants_json):
+        found = explanations(what)
+        if wants_json:
+            result_json({"phases": [explanation.as_dict() for explanation in found]})
+            return
+        from graspdsl.compiler.explain import Explanation
+
+        show = {
+            Form.TEXT: Explanation.text,
+            Form.UNICODE: Explanation.unicode,
+            Form.ASCII: Explanation.ascii,
+            Form.TREE: Explanation.tree,
+            Form.PIPELINE: Explanation.pipeline,
+        }[form]
+        result("\n\n".join(show(explanation) for explanation in found))
 
 
 @app.command()
@@ -153,21 +152,16 @@ def report(
     folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")], as_json: AsJson = False
 ) -> None:
     """Summarise a run."""
-    from graspdsl.cli.tables import show_summary
+    with answering(as_json):
+        from graspdsl.cli.running import opened, show
 
-    from graspdsl.report.summary import summary
-    from graspdsl.trials.store import RunFolder
-
-    numbers = summary(RunFolder.open(folder))
-    if as_json:
-        result_json(numbers)
-    else:
-        show_summary(numbers)
+        show(opened(folder), as_json)
 
 
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
-    from graspdsl.spec.loading import json_schema
+    with answering():
+        from graspdsl.spec.loading import json_schema
 
-    result_json(json_schema())
+        result_json(json_schema())

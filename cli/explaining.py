@@ -1,47 +1,43 @@
-"""Explanations for the command line, with complaints about what cannot be explained."""
+"""Explanations for the command line."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graspdsl.cli.messages import complain
-
-from graspdsl.diagnostics import DiagnosticError
+from graspdsl.cli.inputs import reading, sound
 
 if TYPE_CHECKING:
     from graspdsl.compiler.explain import Explanation
 
 
-def explanations_of_expression(text: str) -> list[Explanation] | None:
-    """The explanation of a formula in the default scene; None after complaints."""
+def explanations(what: str) -> list[Explanation]:
+    """The explanation of a formula in the default scene, or of every phase of a spec file. Raises InputError."""
+    if what.endswith((".yaml", ".yml")) or _is_path(what):
+        return _of_spec(Path(what))
+    return _of_expression(what)
+
+
+def _is_path(text: str) -> bool:
+    try:
+        return Path(text).exists()
+    except (OSError, ValueError):  # too long for a path, or with a null character
+        return False
+
+
+def _of_expression(text: str) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
     from graspdsl.compiler.program import default_target, examine_expression
 
-    try:
+    with reading("expression", text):
         phase, _ = examine_expression(text)
-    except DiagnosticError as error:
-        complain("expression", text, error.diagnostics)
-        return None
     return [explained(phase, default_target())]
 
 
-def explanations_of_spec(path: Path) -> list[Explanation] | None:
-    """The explanations of a spec's phases; None after complaints."""
+def _of_spec(path: Path) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
-    from graspdsl.compiler.program import examine
     from graspdsl.compiler.settings import Target
-    from graspdsl.spec.files import read_text
 
-    try:
-        source = read_text(path)
-    except DiagnosticError as error:
-        complain(str(path), "", error.diagnostics)
-        return None
-    examination = examine(source, path.name)
-    complain(str(path), source, examination.diagnostics)
-    program = examination.program
-    if program is None:
-        return None
+    program, _ = sound(path)
     target = Target(program.robot, program.world.rate, program.spec.control)
     return [explained(phase, target) for phase in program.phases]

@@ -3,69 +3,64 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
-import tempfile
 import traceback
 from datetime import datetime
-from pathlib import Path
+from types import FrameType
+
+from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, complain, prepare_streams, say
 
 from graspdsl.diagnostics import DiagnosticError
 
-DONE, WRONG_INPUT, WRONG_USE, BUG, INTERRUPTED = 0, 1, 2, 3, 130
+BUG = 3
 
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 wrong input, 2 wrong use, 3 a bug, 130 interrupted."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, _interrupt)
+    prepare_streams()
     sys.exit(_exit_code())
 
 
-def _exit_code() -> int:
-    from graspdsl.cli.app import app
-    from graspdsl.cli.messages import complain, say
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    """Asked to end, or left by its terminal, a run keeps what it has, as after Ctrl-C."""
+    raise KeyboardInterrupt
 
+
+def _exit_code() -> int | str | None:
     try:
-        code = app(standalone_mode=False)
-        sys.stdout.flush()
-    except DiagnosticError as error:
-        complain("graspdsl", "", error.diagnostics)
-        return WRONG_INPUT
+        from graspdsl.cli.app import app
+
+        app()
+    except SystemExit as end:  # how typer ends, well or with a complaint about the usage
+        return end.code
     except KeyboardInterrupt:
         say("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        # Whoever read our output has seen enough; nothing more can be written to it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+    except DiagnosticError as error:
+        complain("graspdsl", "", error.diagnostics)
+        return WRONG_INPUT
     except Exception as error:
-        return _other(error)
-    return code if isinstance(code, int) else DONE
+        say(f"graspdsl: a bug: {type(error).__name__}: {error}")
+        _keep_crash_log(error)
+        return BUG
+    return 0
 
 
-def _other(error: Exception) -> int:
-    import click
-    from graspdsl.cli.messages import say
+def _keep_crash_log(error: Exception) -> None:
+    import tempfile
 
-    if isinstance(error, click.exceptions.Abort):
-        say("interrupted")
-        return INTERRUPTED
-    if isinstance(error, click.exceptions.Exit):
-        return error.exit_code
-    if isinstance(error, click.ClickException):
-        error.show(sys.stderr)
-        return error.exit_code
-    log = _crash_log(error)
-    say(f"graspdsl: a bug: {type(error).__name__}: {error}")
-    say(f"  the crash log is {log}; please send it with the command you ran")
-    return BUG
-
-
-def _crash_log(error: Exception) -> Path:
     stamp = datetime.now().astimezone().isoformat(timespec="seconds")
-    descriptor, name = tempfile.mkstemp(prefix="graspdsl-crash-", suffix=".log")
-    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-        file.write(f"{stamp}\n{sys.version}\n{sys.argv}\n\n")
-        file.writelines(traceback.format_exception(error))
-    return Path(name)
+    text = f"{stamp}\n{sys.version}\n{sys.argv}\n\n{''.join(traceback.format_exception(error))}"
+    try:
+        descriptor, name = tempfile.mkstemp(prefix="graspdsl-crash-", suffix=".log")
+        with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as file:
+            file.write(text)
+    except OSError as refusal:
+        say(f"  no crash log could be written ({refusal.strerror}); please send this with the command you ran:\n{text}")
+    else:
+        say(f"  the crash log is {name}; please send it with the command you ran")

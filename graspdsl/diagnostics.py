@@ -135,7 +135,7 @@ def known_names_hint(name: str, known: Iterable[str], what: str) -> str:
     if close:
         return f"did you mean {listed(close, 'or')}?"
     if not known:
-        return f"no {what} is known here"
+        return f"there are no known {what} here"
     return f"known {what}: {', '.join(known)}"
 
 

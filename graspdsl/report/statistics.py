@@ -34,8 +34,11 @@ def bandwidth(values: Array) -> float:
 
 
 def density(values: Array, at: Array, width: float) -> Array:
-    """A Gaussian kernel density on 0…π/2, reflected at both ends so that no mass is lost; integrates to one."""
-    mirrored = np.concatenate([values, -values, 2 * RIGHT_ANGLE - values])
+    """A Gaussian kernel density on 0…π/2, reflected at both ends so that it integrates to one.
+
+    What is reflected past the other end is reflected once more: for a width up to π/6 less than 1e-8 is lost.
+    """
+    mirrored = np.concatenate([sign * values + turn for sign in (1, -1) for turn in (-math.pi, 0.0, math.pi)])
     kernels = np.exp(-0.5 * ((at[:, None] - mirrored) / width) ** 2)
     return np.asarray(kernels.sum(axis=1) / (len(values) * width * math.sqrt(2 * math.pi)))
 
@@ -60,7 +63,7 @@ def modes(values: Array) -> list[Mode]:
     grid = np.linspace(0.0, RIGHT_ANGLE, 513)
     heights = density(values, grid, bandwidth(values))
     rising = np.diff(heights, prepend=-np.inf) > 0
-    falling = np.diff(heights, append=-np.inf) < 0
+    falling = np.diff(heights, append=-np.inf) <= 0  # two equal heights are one peak
     peaks = list(np.flatnonzero(rising & falling))
     while len(peaks) > 1:
         valleys = [int(a + np.argmin(heights[a : b + 1])) for a, b in pairwise(peaks)]

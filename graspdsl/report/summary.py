@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shlex
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -11,16 +12,17 @@ from typing import Any
 import numpy as np
 
 from graspdsl.report.statistics import bandwidth, modes, wilson
+from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
-from graspdsl.trials.store import RunFolder
+from graspdsl.trials.store import SPEC, RunFolder
 
 
 def summary(folder: RunFolder) -> dict[str, Any]:
     """Everything a report says of a run, as plain data; what could not be measured is None.
 
     Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth; orientations (rad) stand by
-    trial number; shares carry 95 % Wilson intervals.
+    trial number; shares carry 95 % Wilson intervals. Raises DiagnosticError when the run cannot be read.
     """
     records, manifest = folder.records(), folder.manifest
     converged = sum(record.outcome is Outcome.CONVERGED for record in records)
@@ -31,7 +33,11 @@ def summary(folder: RunFolder) -> dict[str, Any]:
         "seed": manifest.seed,
         "trials": {"asked": manifest.asked, "finished": len(records)},
         "outcomes": dict(Counter(record.outcome.value for record in records).most_common()),
-        "converged": {"share": _share(converged, len(records)), "interval": wilson(converged, len(records))},
+        "converged": {
+            "share": _share(converged, len(records)),
+            "interval": wilson(converged, len(records)),
+            "means": _end(folder),
+        },
         "residuals": {
             "force": {
                 "start": _median(record.force_residual_start for record in records),
@@ -71,7 +77,25 @@ def summary(folder: RunFolder) -> dict[str, Any]:
         "world_s": sum(record.world_s for record in records),
         "records": [_plain(record) for record in records],
         "versions": dict(manifest.versions),
+        "command": repeating(folder),
     }
+
+
+def repeating(folder: RunFolder) -> str:
+    """The command that runs the same trials again."""
+    manifest = folder.manifest
+    settings = [setting for setting in manifest.overrides if not setting.startswith(("trials.count=", "trials.seed="))]
+    words = ["graspdsl", "run", str(folder.path / SPEC)]
+    words += [word for setting in settings for word in ("--set", setting)]
+    words += ["--trials", str(manifest.asked), "--seed", str(manifest.seed)]
+    return shlex.join(words)
+
+
+def _end(folder: RunFolder) -> dict[str, Any]:
+    """What converged means: the conditions that end the last phase."""
+    manifest = folder.manifest
+    spec = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec
+    return spec.program[-1].until.model_dump(mode="json")
 
 
 def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:

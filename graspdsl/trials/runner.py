@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import multiprocessing
+import multiprocessing.process
 import os
 import signal
+import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.trials.loop import TrialLoop, identity, versions
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import trial_loop
@@ -19,14 +24,17 @@ from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], None]
 TRIALS_WORTH_A_WORKER = 4
+_STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
 
-class InterruptedRunError(Exception):
-    """The user stopped a run; what was finished is kept in ``folder``."""
+class WorkerEndedError(Exception):
+    """A worker process ended before its trial did; ``from_outside`` when somebody or the system stopped it."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        super().__init__(f"interrupted; finished trials are in {folder}")
+    def __init__(self, exit_code: int | None) -> None:
+        self.from_outside = exit_code is not None and -exit_code in _STOPPED
+        cause = "" if exit_code is None else f" ({_said_exit(exit_code)})"
+        advice = "; if memory is short, fewer --workers need less" if exit_code == -signal.SIGKILL else ""
+        super().__init__(f"a worker process ended too early{cause}{advice}")
 
 
 def new_run(path: Path, program: Program, text: str, spec_file: str, overrides: Sequence[str]) -> RunFolder:
@@ -44,64 +52,115 @@ def program_of_run(folder: RunFolder) -> Program:
 def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | None = None) -> None:
     """Run the trials that are not finished yet; each is committed to the folder as it ends.
 
-    Raises InterruptedRunError when the user stops it and DiagnosticError when the finished trials were made by other
-    versions or another spec, so that their numbers would not go together.
+    Raises DiagnosticError when the finished trials were made by other versions or another spec, so that their numbers
+    would not go together, or when the folder cannot be written to; WorkerEndedError when a worker is killed. After
+    these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
     program = program_of_run(folder)
     seed = folder.manifest.seed
-    done = {record.number: record.identity for record in folder.records()}
+    done = {record.number: record.identity for record in folder.finished()}
     if any(identity(program, number, seed) != known for number, known in done.items()):
-        message = f"{folder.path} was run with another spec or other versions: {_said(folder.manifest.versions)}"
-        hint = f"these are {_said(versions())}; begin a new run"
-        raise DiagnosticError([Diagnostic("run-differs", message, hint=hint)])
+        raise DiagnosticError([_differs(folder.manifest.versions)])
     pending = [number for number in range(folder.manifest.asked) if number not in done]
+    if not pending:
+        return
     if workers is None:
         workers = min(os.cpu_count() or 1, max(1, len(pending) // TRIALS_WORTH_A_WORKER))
+    workers = min(workers, len(pending))
     began = time.perf_counter()
+    trials = _here(program, pending, seed) if workers == 1 else _elsewhere(folder, pending, seed, workers)
     try:
-        for trial in _here(program, pending, seed) if workers == 1 else _elsewhere(folder, pending, seed, workers):
-            folder.add(trial)
-            if on_trial is not None:
-                on_trial(trial)
-    except KeyboardInterrupt:
-        raise InterruptedRunError(folder.path) from None
+        with closing(trials):
+            for trial in trials:
+                folder.add(trial)
+                if on_trial is not None:
+                    on_trial(trial)
     finally:
         folder.spend(time.perf_counter() - began)
 
 
-def _said(of: object) -> str:
-    return ", ".join(f"{name} {version}" for name, version in dict(of).items()) if isinstance(of, dict) else str(of)
+def _differs(made_by: Mapping[str, str]) -> Diagnostic:
+    changed = {name: version for name, version in versions().items() if made_by.get(name) != version}
+    if not changed:
+        return Diagnostic("run-differs", "this run was made from another spec", hint="begin a new run")
+    before = listed(f"{name} {made_by.get(name, 'of no known version')}" for name in changed)
+    now = listed(f"{name} {version}" for name, version in changed.items())
+    return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")
 
 
-def _here(program: Program, numbers: Sequence[int], seed: int) -> Iterator[Trial]:
+def _here(program: Program, numbers: Sequence[int], seed: int) -> Generator[Trial, None, None]:
     loop = trial_loop(program)
     for number in numbers:
         yield loop.run(number, seed)
 
 
-_loop: TrialLoop | None = None  # of a worker process, built once
+Recipe = tuple[str, str, tuple[str, ...]]  # what program_of makes a program from
 
 
-def _begin_worker(text: str, name: str, overrides: tuple[str, ...]) -> None:
-    global _loop
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _loop = trial_loop(program_of(text, name, overrides))
+@functools.cache  # built once in a worker process, at its first trial, so that what goes wrong there is reported
+def _loop(recipe: Recipe) -> TrialLoop:
+    return trial_loop(program_of(*recipe))
 
 
-def _run_in_worker(number: int, seed: int) -> Trial:
-    assert _loop is not None
-    return _loop.run(number, seed)
+def _run_in_worker(recipe: Recipe, number: int, seed: int) -> Trial:
+    return _loop(recipe).run(number, seed)
 
 
-def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: int) -> Iterator[Trial]:
+def _begin_worker() -> None:
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A worker waits for work for ever; should its parent be killed, nobody else would end it."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: int) -> Generator[Trial, None, None]:
     recipe = (folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides)
+    others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker, initargs=recipe)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker)
+    processes: list[multiprocessing.process.BaseProcess] = []
+    waiting: set[Future[Trial]] = set()
     try:
-        waiting: set[Future[Trial]] = {pool.submit(_run_in_worker, number, seed) for number in numbers}
+        with _sheltered():
+            waiting = {pool.submit(_run_in_worker, recipe, number, seed) for number in numbers}
+            processes = [child for child in multiprocessing.active_children() if child not in others]
         while waiting:
             finished, waiting = wait(waiting, return_when=FIRST_COMPLETED)
             for future in finished:
                 yield future.result()
+    except BrokenProcessPool:
+        pool.shutdown(wait=True)  # its own thread waits for the processes; only then are all exit codes known
+        raise WorkerEndedError(_first_cause(processes)) from None
     finally:
+        if waiting:  # not to the end: nobody waits for the trials that are still running
+            for process in processes:
+                process.kill()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _sheltered() -> Iterator[None]:
+    """Processes started within never see Ctrl-C, which a terminal sends to all: this process decides for them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _first_cause(processes: Sequence[multiprocessing.process.BaseProcess]) -> int | None:
+    """The exit code of the worker that broke the pool; the pool then ends the others by SIGTERM."""
+    codes = [process.exitcode for process in processes if process.exitcode is not None]
+    return next((code for code in codes if code != -signal.SIGTERM), codes[0] if codes else None)
+
+
+def _said_exit(exit_code: int) -> str:
+    return f"exit code {exit_code}" if exit_code >= 0 else signal.Signals(-exit_code).name

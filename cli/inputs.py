@@ -1,0 +1,70 @@
+"""What a user gives the commands: read and checked, or refused with the place of every fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, as_file_json, complain, result_json, say
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
+
+if TYPE_CHECKING:
+    from graspdsl.compiler.program import Program
+
+
+class InputError(Exception):
+    """An input that a command cannot go on with: its name, its text as far as there is one, what is wrong with it."""
+
+    def __init__(self, name: str, source: str, diagnostics: Sequence[Diagnostic]) -> None:
+        self.name, self.source, self.diagnostics = name, source, tuple(diagnostics)
+        super().__init__(name)
+
+
+@contextmanager
+def reading(name: str, source: str = "") -> Iterator[None]:
+    """Complaints of what is done within are about the input of this name."""
+    try:
+        yield
+    except DiagnosticError as error:
+        raise InputError(name, source, error.diagnostics) from None
+
+
+def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | None, str, tuple[Diagnostic, ...]]:
+    """The program of a spec file if it is sound, its text, and every complaint about it."""
+    from graspdsl.compiler.program import examine
+    from graspdsl.spec.files import read_text
+
+    try:
+        source = read_text(path)
+    except DiagnosticError as error:
+        return None, "", error.diagnostics
+    examination = examine(source, path.name, overrides)
+    return examination.program, source, examination.diagnostics
+
+
+def sound(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program, str]:
+    """The program of a spec file, and its text; warnings go to stderr. Raises InputError when it has errors."""
+    program, source, diagnostics = examined(path, overrides)
+    if program is None or has_errors(diagnostics):
+        raise InputError(str(path), source, diagnostics)
+    complain(str(path), source, diagnostics)
+    return program, source
+
+
+@contextmanager
+def answering(as_json: bool = False) -> Iterator[None]:
+    """What a command does within ends with the right exit code when its input is refused or it is interrupted."""
+    try:
+        yield
+    except InputError as error:
+        complain(error.name, error.source, error.diagnostics)
+        if as_json:
+            result_json({"files": [as_file_json(error.name, error.diagnostics)]})
+        raise typer.Exit(WRONG_INPUT) from None
+    except KeyboardInterrupt:
+        say("interrupted")
+        raise typer.Exit(INTERRUPTED) from None

@@ -1,0 +1,77 @@
+"""How far a run is: a bar on a terminal, now and then a line elsewhere; always on stderr."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+
+from graspdsl.cli.messages import say, write
+
+from graspdsl.trials.record import Trial, TrialRecord
+
+BAR = 20  # cells
+LINES = 10  # in all, where there is no terminal
+
+
+class Progress:
+    """Trials done, outcomes so far and time left."""
+
+    def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
+        self._asked, self._before = asked, len(finished)
+        self._outcomes = Counter(record.outcome.value for record in finished)
+        self._began = time.monotonic()
+        self._live = sys.stderr.isatty()
+        self._every = max(1, asked // LINES)
+
+    def __enter__(self) -> Progress:
+        if self._done < self._asked:
+            self._draw()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._live and self._before < self._asked:
+            write(sys.stderr, "\n")
+
+    @property
+    def _done(self) -> int:
+        return self._outcomes.total()
+
+    def advance(self, trial: Trial) -> None:
+        """One more trial is finished."""
+        self._outcomes[trial.record.outcome.value] += 1
+        if self._live:
+            self._draw()
+        elif self._done % self._every == 0 or self._done == self._asked:
+            say(self._line())
+
+    def _draw(self) -> None:
+        if self._live:
+            line = self._line()
+            write(sys.stderr, f"\r\x1b[K{line[: _width() - 1]}")
+
+    def _line(self) -> str:
+        filled = BAR * self._done // self._asked
+        bar = "█" * filled + "░" * (BAR - filled)
+        outcomes = ", ".join(f"{count} {name}" for name, count in self._outcomes.most_common())
+        return "  ".join(part for part in (f"{bar} {self._done}/{self._asked}", self._time(), outcomes) if part)
+
+    def _time(self) -> str:
+        spent, newly = time.monotonic() - self._began, self._done - self._before
+        if self._done == self._asked:
+            return f"{_duration(spent)}"
+        return f"{_duration(spent / newly * (self._asked - self._done))} left" if newly else ""
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d} min" if minutes else f"{rest} s"
+
+
+def _width() -> int:
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except OSError:
+        return 80

@@ -1,0 +1,18 @@
+"""One run that many tests look at."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from cli.program import SPEC, TRIALS, FinishedRun, graspdsl
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> FinishedRun:
+    """A run of TRIALS trials; not to be changed."""
+    place = tmp_path_factory.mktemp("finished")
+    answer = graspdsl("run", SPEC, "--trials", str(TRIALS), "--workers", "1", "--out", "run", "--json", cwd=place)
+    assert answer.returncode == 0
+    return FinishedRun(place / "run", json.loads(answer.stdout), answer.stderr)

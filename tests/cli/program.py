@@ -1,0 +1,47 @@
+"""The command line as its users have it: the installed program, in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+SPEC = ROOT / "specs" / "towel_roll_two_contacts.yaml"
+PROGRAM = Path(sys.executable).with_name("graspdsl")
+TRIALS = 3
+
+
+def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    """What the program answers, and its exit code."""
+    command = [str(PROGRAM), *map(str, words)]
+    surroundings = {**os.environ, **(env or {})}
+    return subprocess.run(
+        command, cwd=cwd, env=surroundings, capture_output=True, encoding="utf-8", timeout=120, check=False
+    )
+
+
+def numbers(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """The records of a run but for the time that each trial took."""
+    return [{name: value for name, value in record.items() if name != "wall_s"} for record in document["records"]]
+
+
+def codes(answer: subprocess.CompletedProcess[str]) -> Sequence[str]:
+    """The codes of the diagnostics in the JSON document of an answer."""
+    (file,) = json.loads(answer.stdout)["files"]
+    assert file["ok"] is False
+    return [diagnostic["code"] for diagnostic in file["diagnostics"]]
+
+
+@dataclass(frozen=True)
+class FinishedRun:
+    """A run that went to its end without interruption, in one process."""
+
+    folder: Path
+    document: dict[str, Any]
+    messages: str

@@ -1,0 +1,144 @@
+"""Folders that are no runs, damaged runs, finished runs."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from graspdsl.cli.app import app
+from typer.testing import CliRunner
+
+from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
+
+
+@pytest.fixture
+def copied(finished: FinishedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of a finished run, called run, in the working directory."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(finished.folder, tmp_path / "run")
+    return tmp_path / "run"
+
+
+@pytest.mark.parametrize(
+    ("out", "complaint"),
+    [
+        (
+            "full",
+            "full: error[folder-not-empty]: this folder is not empty\n  hint: name another, or go on with --resume",
+        ),
+        ("file", "file: error[folder-not-writable]: cannot write to this folder: file exists"),
+        ("file/run", "file/run: error[folder-not-writable]: cannot write to this folder: not a directory"),
+    ],
+)
+def test_no_folder_for_a_run(out: str, complaint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("full").mkdir()
+    Path("full/note").write_text("mine")
+    Path("file").write_text("mine")
+    answer = CliRunner().invoke(app, ["run", str(SPEC), "--trials", "1", "--out", out])
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (1, "", f"{complaint}\n")
+    assert (Path("full/note").read_text(), Path("file").read_text()) == ("mine", "mine")
+
+
+def test_no_default_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("runs").touch()
+    answer = CliRunner().invoke(app, ["run", str(SPEC), "--trials", "1"])
+    assert answer.exit_code == 1
+    assert answer.stderr == "runs: error[folder-not-writable]: cannot write to this folder: file exists\n"
+
+
+@pytest.mark.parametrize("words", [("run", "--resume"), ("report",)])
+@pytest.mark.parametrize("folder", ["missing", "empty", "file"])
+def test_no_run(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("empty").mkdir()
+    Path("file").touch()
+    answer = CliRunner().invoke(app, [*words, folder, "--json"])
+    assert answer.exit_code == 1
+    assert f'"path": "{folder}"' in answer.stdout
+    assert answer.stderr == (
+        f"{folder}: error[not-a-run]: this is no run: there is no readable run.json in it\n"
+        "  hint: give the folder that 'graspdsl run' made\n"
+    )
+
+
+def _alter(run: Path, statement: str) -> None:
+    with closing(sqlite3.connect(run / "trials.sqlite")) as table, table:
+        table.execute(statement)
+
+
+def _cut(file: Path, size: int) -> None:
+    file.write_bytes(file.read_bytes()[:size])
+
+
+DAMAGES = {
+    "manifest of other types": (lambda run: (run / "run.json").write_text('{"name": 3}'), "not-a-run"),
+    "manifest cut": (lambda run: _cut(run / "run.json", 40), "not-a-run"),
+    "no table": (lambda run: (run / "trials.sqlite").unlink(), "run-damaged"),
+    "table cut": (lambda run: _cut(run / "trials.sqlite", 3000), "run-damaged"),
+    "table is text": (lambda run: (run / "trials.sqlite").write_text("no database"), "run-damaged"),
+    "table of other columns": (lambda run: _alter(run, "ALTER TABLE trials DROP COLUMN ticks"), "run-damaged"),
+    "row unreadable": (lambda run: _alter(run, "UPDATE trials SET start = 'x' WHERE number = 1"), "run-damaged"),
+    "outcome unknown": (lambda run: _alter(run, "UPDATE trials SET outcome = 'x' WHERE number = 1"), "run-damaged"),
+    "no spec": (lambda run: (run / "spec.yaml").unlink(), "run-damaged"),
+    "spec faulty": (lambda run: (run / "spec.yaml").write_text("graspdsl: one"), "wrong-version"),
+}
+
+
+@pytest.mark.parametrize("words", [("run", "--resume"), ("report",)])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
+    alter, code = DAMAGES[damage]
+    alter(copied)
+    answer = CliRunner().invoke(app, [*words, "run"])
+    assert answer.exit_code == 1
+    assert f"error[{code}]" in answer.stderr
+    assert answer.stdout == ""
+
+
+@pytest.mark.parametrize("loss", ["row", "trajectory", "trajectory cut", "all trajectories"])
+def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun, tmp_path: Path) -> None:
+    file = copied / "trajectories" / "1.npz"
+    whole = file.read_bytes()
+    if loss == "row":
+        _alter(copied, "DELETE FROM trials WHERE number = 1")
+    elif loss == "trajectory":
+        file.unlink()
+    elif loss == "trajectory cut":
+        _cut(file, 1000)
+    else:
+        shutil.rmtree(file.parent)
+    answer = CliRunner().invoke(app, ["run", "--resume", "run", "--json"])
+    assert answer.exit_code == 0
+    assert file.read_bytes() == whole
+    assert sorted(path.name for path in file.parent.iterdir()) == [f"{number}.npz" for number in range(TRIALS)]
+    report = graspdsl("report", "run", "--json", cwd=tmp_path)
+    assert numbers(json.loads(answer.stdout)) == numbers(json.loads(report.stdout)) == numbers(finished.document)
+
+
+def test_a_complete_run_is_only_reported(copied: Path) -> None:
+    before = (copied / "trials.sqlite").read_bytes()
+    answer = CliRunner().invoke(app, ["run", str(SPEC), "--resume", "run", "--workers", "2"])
+    assert answer.exit_code == 0
+    assert answer.stderr == "towel-roll-two-contacts: 3 trials, seed 2006, 3 finished before → run\n"
+    assert (copied / "trials.sqlite").read_bytes() == before
+
+
+def test_a_run_from_another_spec(copied: Path, tmp_path: Path) -> None:
+    text = SPEC.read_text(encoding="utf-8").replace("friction: 0.4", "friction: 0.5")
+    (tmp_path / "other.yaml").write_text(text, encoding="utf-8")
+    answer = CliRunner().invoke(app, ["run", "other.yaml", "--resume", "run"])
+    assert (answer.exit_code, answer.stderr) == (
+        1,
+        "other.yaml: error[run-differs]: this is not the spec that run was run from\n"
+        "  hint: leave it out: --resume knows its own\n",
+    )
+    (copied / "spec.yaml").write_text(text, encoding="utf-8")
+    answer = graspdsl("run", "--resume", "run", "--json", cwd=tmp_path)
+    assert (answer.returncode, codes(answer)) == (1, ["run-differs"])
+    assert "run: error[run-differs]: this run was made from another spec\n  hint: begin a new run" in answer.stderr

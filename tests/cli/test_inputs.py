@@ -1,0 +1,155 @@
+"""Wrong input: exit code 1, every fault with its place, one JSON document when asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from graspdsl.cli.app import app
+from typer.testing import CliRunner
+
+from cli.program import SPEC, codes, graspdsl
+
+FORMULA = "π_s|Γ Γ (π_gx|Γ Γ)"
+
+# What replaces what in the shipped spec, and the complaints it gets.
+FAULTS = {
+    "unknown potential": (FORMULA, "φ_xr|τ_p(Γ) σ_p(Γ)", ["unknown-potential"]),
+    "mixed spaces": (FORMULA, "φ_fr|τ_fr(Γ) σ_fr(Γ) ◁ φ_mr|τ_mrx(Γ) σ_mr(Γ)", ["mixed-spaces"]),
+    "gravity moved": (FORMULA, "φ_p|τ_p({γ1, γ_g}) σ_p(Γ) (π_gx|Γ Γ)", ["gravity-effector"]),
+    "no such finger": ("finger-2", "finger-9", ["unknown-contact"]),
+    "empty virtual contact": ("{γ1, <γ2, γ3>}", "{γ1, <>}", ["empty-virtual-contact"]),
+    "reference of another space": (FORMULA, "φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)", ["wrong-reference"]),
+    "unbalanced bracket": (FORMULA, "π_s|Γ Γ (π_gx|Γ Γ", ["unbalanced-bracket"]),
+    "bad YAML": ("scene:", "scene: [", ["open-bracket"]),
+    "wrong type": ("friction: 0.4", "friction: much", ["wrong-type"]),
+    "three at once": (
+        "friction: 0.4",
+        "friction: much\n  colour: red\n  hand: barrett",
+        ["wrong-type", "unknown-key", "duplicate-key"],
+    ),
+}
+
+
+def _written(folder: Path, old: str, new: str) -> Path:
+    text = SPEC.read_text(encoding="utf-8")
+    assert old in text
+    path = folder / "spec.yaml"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_run_refuses_what_validate_complains_of(fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    old, new, expected = FAULTS[fault]
+    _written(tmp_path, old, new)
+    answers = {name: CliRunner().invoke(app, [name, "spec.yaml", "--json"]) for name in ("validate", "run", "explain")}
+    (file,) = json.loads(answers["validate"].stdout)["files"]
+    found = [diagnostic["code"] for diagnostic in file["diagnostics"]]
+    assert found == expected
+    assert answers["validate"].stderr == ""
+    for answer in answers.values():
+        assert answer.exit_code == 1
+        assert json.loads(answer.stdout) == json.loads(answers["validate"].stdout)
+    text = CliRunner().invoke(app, ["validate", "spec.yaml"]).stdout
+    for code in found:
+        assert f"error[{code}]" in text
+        assert f"error[{code}]" in answers["run"].stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["spec.yaml"]
+
+
+def test_the_text_of_a_complaint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    _written(tmp_path, FORMULA, "φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)")
+    answer = CliRunner().invoke(app, ["validate", "spec.yaml"])
+    assert answer.stdout == (
+        "spec.yaml:26:29: error[wrong-reference]: φ_p needs a reference in contact positions (m); this one is a "
+        "gradient in ψ, surface coordinates of the contacts (rad on the model sphere)\n"
+        "  26 |   - run: φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)\n"
+        "     |                             ^^^^^^^\n"
+        "  hint: use a controller whose gradient is in Cartesian displacements of the contacts (m), as π_gx is\n"
+    )
+
+
+@pytest.mark.parametrize("command", ["validate", "run", "explain"])
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [
+        ("missing.yaml", "file-not-found"),
+        ("folder", "is-a-directory"),
+        ("pipe", "not-a-file"),
+        ("/dev/null", "not-a-file"),
+        ("binary.yaml", "not-utf8"),
+        ("utf16.yaml", "not-utf8"),
+        ("brackets.yaml", "file-too-large"),
+        ("empty.yaml", "empty-file"),
+    ],
+)
+def test_files_that_are_no_specs(
+    command: str, name: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    os.mkfifo("pipe")
+    Path("binary.yaml").write_bytes(bytes(range(256)))
+    Path("utf16.yaml").write_text("graspdsl: 1", encoding="utf-16")
+    Path("brackets.yaml").write_bytes(b"[" * 10_000_000)
+    Path("empty.yaml").touch()
+    answer = CliRunner().invoke(app, [command, name, "--json"])
+    (file,) = json.loads(answer.stdout)["files"]
+    assert answer.exit_code == 1
+    assert (file["path"], file["ok"], [fault["code"] for fault in file["diagnostics"]]) == (name, False, [code])
+
+
+def test_settings_are_checked_like_the_file(tmp_path: Path) -> None:
+    settings = ["nonsense", "=3", "trials.count=[", "foo.bar=1", "scene.friction=abc", "trials=7"]
+    words = [word for setting in settings for word in ("--set", setting)]
+    answer = graspdsl("run", SPEC, *words, "--json", cwd=tmp_path)
+    assert answer.returncode == 1
+    assert sorted(codes(answer)) == [
+        "bad-override", "bad-override", "open-bracket", "unknown-key", "wrong-type", "wrong-type",
+    ]  # fmt: skip
+    for setting in settings:
+        assert f"in --set {setting}: " in answer.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_several_files_some_sound(tmp_path: Path) -> None:
+    answer = graspdsl("validate", SPEC, "missing.yaml", cwd=tmp_path)
+    assert answer.returncode == 1
+    assert answer.stdout.splitlines()[:2] == [
+        f"{SPEC}: ok",
+        "missing.yaml: error[file-not-found]: there is no such file",
+    ]
+
+
+def test_a_sound_spec(tmp_path: Path) -> None:
+    answer = graspdsl("validate", SPEC, "--json", cwd=tmp_path)
+    assert json.loads(answer.stdout) == {"files": [{"path": str(SPEC), "ok": True, "diagnostics": []}]}
+    assert (answer.returncode, answer.stderr) == (0, "")
+
+
+def test_names_of_files_do_not_steer_the_terminal(tmp_path: Path) -> None:
+    answer = graspdsl("validate", "\x1b[31mred.yaml", cwd=tmp_path)
+    assert answer.returncode == 1
+    assert answer.stdout.startswith("\ufffd[31mred.yaml: error[file-not-found]")
+
+
+def test_validate_loads_no_simulator_no_figures_and_no_tables() -> None:
+    heavy = ["pybullet", "matplotlib", "scipy", "rich", "sqlite3", "multiprocessing"]
+    code = f"""
+import sys
+from graspdsl.cli import main
+sys.argv[1:] = ["validate", {str(SPEC)!r}]
+try:
+    main()
+except SystemExit as end:
+    print(end.code, [name for name in {heavy} if name in sys.modules])
+"""
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True)
+    assert answer.stdout.splitlines() == [f"{SPEC}: ok", "0 []"]

@@ -1,0 +1,140 @@
+"""Runs that are stopped: one message, what was finished is kept, and the resumed run gives the same numbers."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, numbers
+from graspdsl.report.summary import summary
+from graspdsl.trials.store import RunFolder
+
+Stop = Callable[[subprocess.Popen[str]], None]
+
+RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
+
+
+def _to_all(number: signal.Signals) -> Stop:
+    """As a terminal does it."""
+    return lambda run: os.killpg(run.pid, number)
+
+
+def _to_parent(number: signal.Signals) -> Stop:
+    return lambda run: run.send_signal(number)
+
+
+def _workers(run: subprocess.Popen[str]) -> list[int]:
+    listing = subprocess.run(
+        ["ps", "-A", "-ww", "-o", "ppid=,pid=,args="], capture_output=True, encoding="utf-8", check=True
+    )
+    rows = [line.split(maxsplit=2) for line in listing.stdout.splitlines()]
+    return [int(pid) for parent, pid, command in rows if int(parent) == run.pid and "spawn_main" in command]
+
+
+def _to_a_worker(number: signal.Signals) -> Stop:
+    return lambda run: os.kill(_workers(run)[0], number)
+
+
+def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
+    command = [PROGRAM, "run", SPEC, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json"]
+    run = subprocess.Popen(
+        command, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", start_new_session=True
+    )
+    assert run.stdout is not None
+    assert run.stderr is not None
+    before = ""
+    while f" 1/{TRIALS} " not in before:
+        line = run.stderr.readline()
+        assert line, before
+        before += line
+    stop(run)
+    out, after = run.communicate(timeout=60)
+    return run.returncode, out, after
+
+
+def _resumed(place: Path) -> list[dict[str, object]]:
+    answer = graspdsl("run", "--resume", "the run", "--json", cwd=place)
+    assert answer.returncode == 0
+    return numbers(json.loads(answer.stdout))
+
+
+@pytest.mark.parametrize(
+    ("stop", "workers"),
+    [
+        (_to_all(signal.SIGINT), 1),
+        (_to_all(signal.SIGINT), 2),
+        (_to_parent(signal.SIGINT), 2),
+        (_to_parent(signal.SIGTERM), 1),
+    ],
+    ids=["Ctrl-C, one process", "Ctrl-C, two workers", "SIGINT to the parent of two", "SIGTERM, one process"],
+)
+def test_interrupted(stop: Stop, workers: int, finished: FinishedRun, tmp_path: Path) -> None:
+    code, out, messages = _stopped(tmp_path, workers, stop)
+    assert (code, out) == (130, "")
+    assert messages.endswith(f"interrupted; {RESUME}")
+    assert "Traceback" not in messages
+    report = summary(RunFolder.open(tmp_path / "the run"))
+    kept = numbers(report)
+    assert 1 <= report["trials"]["finished"] == len(kept) < TRIALS
+    assert all(record in numbers(finished.document) for record in kept)
+    assert _resumed(tmp_path) == numbers(finished.document)
+
+
+def test_worker_killed(finished: FinishedRun, tmp_path: Path) -> None:
+    code, out, messages = _stopped(tmp_path, 2, _to_a_worker(signal.SIGKILL))
+    assert (code, out) == (130, "")
+    cause = "a worker process ended too early (SIGKILL); if memory is short, fewer --workers need less"
+    assert messages.endswith(f"{cause}; {RESUME}")
+    assert "Traceback" not in messages
+    assert _resumed(tmp_path) == numbers(finished.document)
+
+
+def test_worker_crashed(tmp_path: Path) -> None:
+    code, out, messages = _stopped(tmp_path, 2, _to_a_worker(signal.SIGSEGV))
+    assert (code, out) == (3, "")
+    assert f"a worker process ended too early (SIGSEGV); {RESUME}" in messages
+    assert "the crash log is " in messages
+
+
+def test_workers_do_not_outlive_a_killed_parent(tmp_path: Path) -> None:
+    orphans: list[int] = []
+
+    def kill(run: subprocess.Popen[str]) -> None:
+        orphans.extend(_workers(run))
+        run.kill()
+
+    # The workers hold the other end of stderr: that it closes means that they are gone.
+    code, _, _ = _stopped(tmp_path, 2, kill)
+    assert code == -signal.SIGKILL
+    assert len(orphans) == 2
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_bug_leaves_a_crash_log(workers: int, tmp_path: Path) -> None:
+    """A broken installation of the simulator is a failure that nothing in the project expects."""
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    (broken / "pybullet.py").write_text("raise RuntimeError('this installation is broken')\n")
+    logs = tmp_path / "logs"
+    logs.mkdir()
+    words = ("run", SPEC, "--trials", "2", "--workers", str(workers), "--out", "the run", "--json")
+    answer = graspdsl(*words, cwd=tmp_path, env={"PYTHONPATH": str(broken), "TMPDIR": str(logs)})
+    (log,) = logs.iterdir()
+    assert (answer.returncode, answer.stdout) == (3, "")
+    assert answer.stderr.splitlines()[-2:] == [
+        "graspdsl: a bug: RuntimeError: this installation is broken",
+        f"  the crash log is {log}; please send it with the command you ran",
+    ]
+    assert "Traceback" not in answer.stderr
+    text = log.read_text(encoding="utf-8")
+    assert "RuntimeError: this installation is broken" in text
+    assert "pybullet.py" in text
+    assert "--trials" in text
+    assert graspdsl("run", "--resume", "the run", cwd=tmp_path).returncode == 0

@@ -1,0 +1,113 @@
+"""The numbers of a report, from records made by hand."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graspdsl.report.summary import repeating, summary
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.store import Manifest, RunFolder
+
+SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
+
+Build = Callable[..., RunFolder]
+
+
+def _record(number: int, **values: Any) -> TrialRecord:
+    nothing = {name: math.nan for name, kind in TrialRecord.__annotations__.items() if kind == "float"}
+    measured = {
+        "identity": "x",
+        "outcome": Outcome.CONVERGED,
+        "detail": "",
+        "start": {},
+        "redraws": 0,
+        "contact_forces": (0.5, 0.4),
+        "ticks": 10,
+        "ticks_to_converge": None,
+        "leaking_ticks": 0,
+        "point_error": (math.nan, math.nan),
+        "normal_error": (math.nan, math.nan),
+        "world_s": 1.0,
+    }
+    return TrialRecord(**{**nothing, **measured, "number": number, **values})
+
+
+@pytest.fixture
+def build(tmp_path: Path) -> Build:
+    """Makes the folder of a run with these records."""
+
+    def built(*records: TrialRecord, asked: int = 5, overrides: tuple[str, ...] = ()) -> RunFolder:
+        manifest = Manifest("a-run", "spec.yaml", overrides, 7, asked, {"graspdsl": "0"}, 2.5)
+        folder = RunFolder.create(tmp_path / "the run", manifest, SPEC.read_text(encoding="utf-8"))
+        for record in records:
+            folder.add(Trial(record, {"time": np.zeros(1, np.float32)}))
+        return folder
+
+    return built
+
+
+def test_a_run_without_trials(build: Build) -> None:
+    numbers = summary(build())
+    assert json.loads(json.dumps(numbers, allow_nan=False))["trials"] == {"asked": 5, "finished": 0}
+    assert (numbers["outcomes"], numbers["modes"], numbers["records"]) == ({}, [], [])
+    assert numbers["converged"]["share"] is None
+    assert numbers["residuals"]["force"] == {"start": None, "end": None}
+    assert numbers["ticks_to_converge"] == {"median": None, "p90": None}
+
+
+def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) -> None:
+    lost = _record(1, outcome=Outcome.CRASHED, contact_forces=(), redraws=4)
+    ends = [
+        _record(number, orientation_end=1.5, force_residual_end=residual, moment_residual_end=0.002)
+        for number, residual in ((0, 0.02), (2, 0.08), (3, 0.03))
+    ]
+    numbers = summary(build(lost, *ends))
+    assert "NaN" not in json.dumps(numbers, allow_nan=False)
+    assert numbers["orientation"]["end"] == [1.5, None, 1.5, 1.5]
+    assert numbers["residuals"]["force"]["end"] == 0.03
+    assert numbers["outcomes"] == {"converged": 3, "crashed": 1}
+    (mode,) = numbers["modes"]
+    assert (mode["share"], mode["trials"], mode["force_residual"]) == (1.0, [0, 2, 3], 0.03)
+    assert mode["centre"] == pytest.approx(1.5, abs=0.01)
+    assert numbers["redraws"] == 4
+    assert numbers["records"][1]["point_error"] == [None, None]
+
+
+def test_records_stand_by_number_whatever_the_order_they_came_in(build: Build) -> None:
+    numbers = summary(build(*(_record(number, orientation_start=number / 10) for number in (3, 0, 2, 1))))
+    assert numbers["orientation"]["start"] == [0.0, 0.1, 0.2, 0.3]
+
+
+def test_ticks_and_forces_are_of_converged_trials(build: Build) -> None:
+    slow = [_record(number, ticks_to_converge=10 * number) for number in range(11)]
+    lost = _record(11, outcome=Outcome.CONTACT_LOST, contact_forces=(9.0, 0.0))
+    numbers = summary(build(*slow, lost, asked=12))
+    assert numbers["ticks_to_converge"] == {"median": 50.0, "p90": 90.0}
+    assert numbers["contact_force"] == {"median": 0.45, "least": 0.4, "largest": 0.5}
+    assert numbers["converged"]["share"] == 11 / 12
+
+
+def test_what_converged_means_follows_the_settings(build: Build) -> None:
+    numbers = summary(build(overrides=("program.1.until={force_residual: 0.2}",)))
+    assert numbers["converged"]["means"] == {
+        "contact": None,
+        "force_residual": 0.2,
+        "moment_residual": None,
+        "hold": 0.2,
+    }
+
+
+def test_the_command_that_repeats_a_run(build: Build) -> None:
+    folder = build(overrides=("trials.seed=3", "scene.friction=0.5", "trials.count=9", "about=it's"))
+    command = repeating(folder)
+    place = f"'{folder.path}/spec.yaml'"
+    settings = "--set scene.friction=0.5 --set 'about=it'\"'\"'s'"
+    assert command == f"graspdsl run {place} {settings} --trials 5 --seed 7"
