@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from graspdsl.cli.inputs import answering, examined, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
-
 from graspdsl.diagnostics import has_errors
 
 app = typer.Typer(
@@ -156,6 +156,43 @@ def report(
         from graspdsl.cli.running import opened, show
 
         show(opened(folder), as_json)
+
+
+@app.command()
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="RUN RUN", help="Folders of runs; the first is the measure.")
+    ],
+    as_json: AsJson = False,
+) -> None:
+    """Put runs side by side, with ratios and their intervals."""
+    if len(folders) < 2:
+        raise typer.BadParameter("give at least two runs", param_hint="RUN")
+    with answering(as_json):
+        from graspdsl.cli.comparing import show_comparison
+
+        show_comparison(folders, as_json)
+
+
+class Kind(enum.StrEnum):
+    """What can be listed."""
+
+    POTENTIALS = "potentials"
+    SENSORS = "sensors"
+    EFFECTORS = "effectors"
+    CONTROLLERS = "controllers"
+    HANDS = "hands"
+    OBJECTS = "objects"
+    WORLDS = "worlds"
+
+
+@app.command(name="list")
+def list_(kind: Annotated[Kind, typer.Argument(metavar="KIND", help="What to list.")], as_json: AsJson = False) -> None:
+    """List what there is to write with."""
+    with answering(as_json):
+        from graspdsl.cli.listing import show_list
+
+        show_list(kind.value, as_json)
 
 
 @app.command()

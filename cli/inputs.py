@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
-from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, as_file_json, complain, result_json, say
 
+from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, as_file_json, complain, result_json, say
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ from datetime import datetime
 from types import FrameType
 
 from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, complain, prepare_streams, say
-
 from graspdsl.diagnostics import DiagnosticError
 
 BUG = 3

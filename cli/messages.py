@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TextIO
 
 from graspdsl.cli.encoding import SPELL_OUT, install
-
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text, has_errors
 
 WRONG_INPUT, INTERRUPTED = 1, 130

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Sequence
 
 from graspdsl.cli.messages import say, write
-
 from graspdsl.trials.record import Trial, TrialRecord
 
 BAR = 20  # cells

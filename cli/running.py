@@ -9,7 +9,6 @@ from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import INTERRUPTED, result, result_json, say
 from graspdsl.cli.progress import Progress
 from graspdsl.cli.tables import summary_text
-
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic
 from graspdsl.report.summary import summary

@@ -49,6 +49,26 @@ def tangent_frames(normals: Array) -> Array:
     return np.stack([first, second], axis=-1)
 
 
+def spherical_frames(normals: Array) -> Array:
+    """The chapter's ê_θ, ê_φ at each inward unit normal f = −(cosθ cosφ, sinθ cosφ, sinφ) (Eq. 4.3), (..., 3, 2).
+
+    They turn without limit near the poles φ = ±90°, the z axis of the world.
+    """
+    flat = np.hypot(normals[..., 0], normals[..., 1])
+    safe = np.where(flat > 0.0, flat, 1.0)
+    cos, sin = np.where(flat > 0.0, -normals[..., 0] / safe, 1.0), -normals[..., 1] / safe
+    up = -normals[..., 2]
+    first = np.stack([-sin, cos, np.zeros_like(sin)], axis=-1)
+    second = np.stack([-cos * up, -sin * up, flat], axis=-1)
+    return np.stack([first, second], axis=-1)
+
+
+def spherical_stretch(normals: Array) -> Array:
+    """(cos φ, 1) at each normal, (..., 2): how far a unit of θ and of φ reaches on the unit sphere (Eq. 4.4)."""
+    flat = np.hypot(normals[..., 0], normals[..., 1])
+    return np.stack([flat, np.ones_like(flat)], axis=-1)
+
+
 def in_columns(blocks: Array) -> Array:
     """Blocks (..., k, 3, c), one a contact, side by side: (..., 3, c k)."""
     moved = np.moveaxis(blocks, -3, -2)

@@ -16,7 +16,8 @@ class Potential(ABC):
     """A potential over errors e = reference − sensed, with e flattened to (..., d).
 
     ``sensors`` and ``effectors`` are the transforms it can be joined with; ``references`` the sensors
-    that can make its reference. Without any, the reference is zero and none is written.
+    that can make its reference. Without any, the reference is zero and none is written; one that may be left out is
+    said in ``has_default_reference``.
     """
 
     symbol: ClassVar[str]
@@ -26,6 +27,7 @@ class Potential(ABC):
     sensors: ClassVar[tuple[str, ...]]
     effectors: ClassVar[tuple[str, ...]]
     references: ClassVar[tuple[str, ...]] = ()
+    has_default_reference: ClassVar[bool] = False
 
     @abstractmethod
     def value(self, error: Array) -> Array:
@@ -68,7 +70,7 @@ class ForceResidual(Squared):
     equation = "4.1"
     space = TaskSpace.NET_FORCE
     sensors = ("σ_fr",)
-    effectors = ("τ_fr", "τ_frx")
+    effectors = ("τ_fr", "τ_frx", "τ_frr")
 
 
 class MomentResidual(Squared):
@@ -79,7 +81,7 @@ class MomentResidual(Squared):
     equation = "4.2"
     space = TaskSpace.NET_MOMENT
     sensors = ("σ_mr",)
-    effectors = ("τ_mr", "τ_mrx")
+    effectors = ("τ_mr", "τ_mrx", "τ_mrr")
 
 
 class Position(HalfSquared):
@@ -106,6 +108,68 @@ class Force(HalfSquared):
     references = ("σ_f", "σ_n")
 
 
+class WrenchResidual(Squared):
+    """φ_w = ρ_wᵀρ_w, force and moment residual in one, for contrast: it has local minima that the two apart have not
+    (Sec. 4.1.3). Dimensionless, the moment taken over the curvature radius."""
+
+    symbol = "φ_w"
+    about = "wrench residual: squared net force and moment in one"
+    equation = "Sec. 4.1.3"
+    space = TaskSpace.NET_WRENCH
+    sensors = ("σ_w",)
+    effectors = ("τ_w", "τ_wx")
+
+
+class Orientation(HalfSquared):
+    """φ_r = ½‖r_ref − σ_r‖², the angle of contacts from reference orientations (Eq. 4.41). In rad²."""
+
+    symbol = "φ_r"
+    about = "orientation: contacts to reference orientations"
+    equation = "4.41"
+    space = TaskSpace.ORIENTATION
+    sensors = ("σ_r",)
+    effectors = ("τ_r",)
+    references = ("σ_r",)
+
+
+class Moment(HalfSquared):
+    """φ_m = ½‖m_ref − σ_m‖², the distance of contact moments from reference moments (Sec. 3.1.2). In (N·m)²."""
+
+    symbol = "φ_m"
+    about = "moment: moments of contact forces to reference moments"
+    equation = "Sec. 3.1.2"
+    space = TaskSpace.MOMENT
+    sensors = ("σ_m",)
+    effectors = ("τ_m",)
+    references = ("σ_m",)
+
+
+class PostureDistance(HalfSquared):
+    """φ_k = ½‖q_ref − σ_k‖², the distance of joints from a reference posture (Eq. 4.25). In rad².
+
+    Without a reference in the formula, it is the middle of the joints' ranges, as in Sec. 4.3.2.
+    """
+
+    symbol = "φ_k"
+    about = "posture: joints to a reference posture, by default the middle of their ranges"
+    equation = "4.25"
+    space = TaskSpace.POSTURE
+    sensors = ("σ_k",)
+    effectors = ("τ_k",)
+    references = ("σ_k",)
+    has_default_reference = True
+
+
 POTENTIALS: Mapping[str, Potential] = {
-    potential.symbol: potential for potential in (ForceResidual(), MomentResidual(), Position(), Force())
+    potential.symbol: potential
+    for potential in (
+        ForceResidual(),
+        MomentResidual(),
+        WrenchResidual(),
+        Position(),
+        Orientation(),
+        Force(),
+        Moment(),
+        PostureDistance(),
+    )
 }

@@ -1,4 +1,4 @@
-"""Controller resources: physical contacts and virtual contacts as weights over the physical ones (Sec. 4.4)."""
+"""Controller resources: contacts, virtual contacts and gravity as weights; joint sets (Sec. 4.3.2, 4.4)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ class ContactResource:
     """One resource γ: a label and its weights over the physical contacts of the hand, by index; they sum to one.
 
     A physical contact weighs itself by one; a virtual contact is the mean of its members (Eq. 4.32), so members of
-    nested virtual contacts share their share.
+    nested virtual contacts share their share. Gravity, γ_g, stands behind the physical contacts: its index is their
+    count.
     """
 
     label: str
@@ -36,8 +37,8 @@ class ContactSet:
 
     @property
     def matrix(self) -> Array:
-        """(m, k): row r averages the contacts of resource r (Eq. 4.32)."""
-        matrix = np.zeros((len(self.members), self.count))
+        """(m, k): row r averages the contacts of resource r (Eq. 4.32); (m, k + 1) with gravity, its column last."""
+        matrix = np.zeros((len(self.members), self.count + self.has_gravity))
         for row, member in enumerate(self.members):
             for contact, weight in member.weights:
                 matrix[row, contact] = weight
@@ -45,20 +46,62 @@ class ContactSet:
 
     @property
     def weights(self) -> Array:
-        """(k,): each contact's weight in a sum over the set (Eq. 4.11 with 4.32)."""
+        """(k,): each contact's weight in a sum over the set (Eq. 4.11 with 4.32); (k + 1,) with gravity."""
         total: Array = self.matrix.sum(axis=0)
         return total
 
     @property
     def contacts(self) -> tuple[int, ...]:
         """The physical contacts in the set, in order of their first mention."""
-        return tuple(dict.fromkeys(contact for member in self.members for contact, _ in member.weights))
+        mentioned = (contact for member in self.members for contact, _ in member.weights)
+        return tuple(dict.fromkeys(contact for contact in mentioned if contact < self.count))
+
+    @property
+    def has_gravity(self) -> bool:
+        """Whether γ_g is in the set."""
+        return any(contact == self.count for member in self.members for contact, _ in member.weights)
+
+    @property
+    def size(self) -> int:
+        """How many numbers a per-contact reference over the set has."""
+        return 3 * len(self.members)
 
     @property
     def has_virtual(self) -> bool:
         """Whether any resource of the set is a virtual contact."""
         return any(member.is_virtual for member in self.members)
 
-    def same_as(self, other: ContactSet) -> bool:
+    def same_as(self, other: ContactSet | JointSet) -> bool:
         """Whether both hold the same resources, whatever they are called and in whatever order."""
+        if isinstance(other, JointSet):
+            return False
         return {member.weights for member in self.members} == {member.weights for member in other.members}
+
+
+@dataclass(frozen=True, slots=True)
+class JointSet:
+    """A set of actuated joints, by index into the n joints of the robot, for posture (Sec. 4.3.2)."""
+
+    label: str
+    joints: tuple[int, ...]
+    count: int
+
+    @property
+    def matrix(self) -> Array:
+        """(s, n): picks the joints of the set out of all."""
+        rows: Array = np.eye(self.count)[list(self.joints)]
+        return rows
+
+    @property
+    def size(self) -> int:
+        """How many numbers a reference over the set has."""
+        return len(self.joints)
+
+    def same_as(self, other: ContactSet | JointSet) -> bool:
+        """Whether both hold the same joints, whatever they are called and in whatever order."""
+        return isinstance(other, JointSet) and set(self.joints) == set(other.joints)
+
+    @property
+    def mask(self) -> Array:
+        """(n,): one for the joints of the set, else zero."""
+        return np.isin(np.arange(self.count), self.joints).astype(float)

@@ -20,7 +20,8 @@ from graspdsl.basis.spaces import TaskSpace
 class Sensor(ABC):
     """A sensor transform: ``reads`` names its inputs (fields of an Observation, or ``origin``).
 
-    ``per_contact`` sensors give one row a resource, the others one vector for the whole set.
+    ``per_contact`` sensors give one row a resource, the others one vector for the whole set. ``over_joints`` sensors
+    take joint sets instead of contacts.
     """
 
     symbol: ClassVar[str]
@@ -29,6 +30,7 @@ class Sensor(ABC):
     space: ClassVar[TaskSpace]
     reads: ClassVar[tuple[str, ...]]
     per_contact: ClassVar[bool]
+    over_joints: ClassVar[bool] = False
 
     @abstractmethod
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
@@ -118,6 +120,86 @@ class NetMoment(Sensor):
         return np.asarray(mixing @ cross(points - origin[..., None, :], normals))
 
 
+class NetWrench(Sensor):
+    """σ_w: the net wrench of unit contact forces, (Σ w n, Σ w (x − c) × n / r) (Sec. 4.1.3), (..., 6) [1].
+
+    The moment is in units of the curvature radius r, so that force and moment weigh alike.
+    """
+
+    symbol = "σ_w"
+    about = "net wrench of unit contact forces"
+    equation = "Sec. 4.1.3"
+    space = TaskSpace.NET_WRENCH
+    reads = ("points", "normals", "origin", "curvature_radius")
+    per_contact = False
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """The net force above the net moment over r, shape (..., 6)."""
+        points, normals, origin, radius = inputs
+        moment = mixing @ cross(points - origin[..., None, :], normals)
+        return np.concatenate([mixing @ normals, moment / radius], axis=-1)
+
+
+class Orientations(Sensor):
+    """σ_r: the orientations of the contact frames in exponential coordinates [rad], (..., m, 3) (Eq. 4.41, 4.32)."""
+
+    symbol = "σ_r"
+    about = "contact orientations"
+    equation = "4.41"
+    space = TaskSpace.ORIENTATION
+    reads = ("orientations",)
+    per_contact = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R r, shape (..., m, 3)."""
+        (orientations,) = inputs
+        return np.asarray(mixing @ orientations)
+
+
+class Moments(Sensor):
+    """σ_m: the moments of the contact forces about the origin c [N·m], (x − c) × n nᵀ f (Sec. 3.1.2), (..., m, 3)."""
+
+    symbol = "σ_m"
+    about = "moments of the contact forces along the normals"
+    equation = "Sec. 3.1.2"
+    space = TaskSpace.MOMENT
+    reads = ("points", "forces", "normals", "origin")
+    per_contact = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R ((x − c) × (n nᵀ f)), shape (..., m, 3)."""
+        points, forces, normals, origin = inputs
+        return np.asarray(mixing @ cross(points - origin[..., None, :], along(forces, normals)))
+
+
+class Posture(Sensor):
+    """σ_k: the positions of the joints of a joint set [rad, m for a slide] (Eq. 4.25), (..., s)."""
+
+    symbol = "σ_k"
+    about = "joint positions"
+    equation = "4.25"
+    space = TaskSpace.POSTURE
+    reads = ("joints",)
+    per_contact = False
+    over_joints = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """S q for the selection S (s, n), shape (..., s)."""
+        (joints,) = inputs
+        return np.asarray(np.einsum("sn,...n->...s", mixing, joints))
+
+
 SENSORS: Mapping[str, Sensor] = {
-    sensor.symbol: sensor for sensor in (UnitNormals(), Positions(), Forces(), NetForce(), NetMoment())
+    sensor.symbol: sensor
+    for sensor in (
+        UnitNormals(),
+        Positions(),
+        Orientations(),
+        Forces(),
+        Moments(),
+        NetForce(),
+        NetMoment(),
+        NetWrench(),
+        Posture(),
+    )
 }

@@ -11,7 +11,11 @@ class TaskSpace(enum.Enum):
     NET_FORCE = "net unit force (1)"
     NET_MOMENT = "net moment of unit forces (m)"
     POSITION = "contact positions (m)"
+    ORIENTATION = "contact orientations (rad)"
     FORCE = "contact forces (N)"
+    MOMENT = "contact moments (N·m)"
+    POSTURE = "joint positions (rad or m)"
+    NET_WRENCH = "net wrench of unit forces (1, m)"
     NORMAL = "unit normals (1)"
 
 
@@ -20,6 +24,7 @@ class GradientSpace(enum.Enum):
 
     SURFACE = "ψ"
     CARTESIAN = "x"
+    ROTATION = "r"
     JOINTS = "q"
 
     @property
@@ -28,9 +33,10 @@ class GradientSpace(enum.Enum):
         return {
             GradientSpace.SURFACE: "surface coordinates of the contacts (rad on the model sphere)",
             GradientSpace.CARTESIAN: "Cartesian displacements of the contacts (m)",
+            GradientSpace.ROTATION: "rotations of the contacts (rad)",
             GradientSpace.JOINTS: "joint displacements (m or rad)",
         }[self]
 
 
 # A gradient in this space can be the reference of a controller of that task space: reference = sensed + displacement.
-DISPLACES = {GradientSpace.CARTESIAN: TaskSpace.POSITION}
+DISPLACES = {GradientSpace.CARTESIAN: TaskSpace.POSITION, GradientSpace.ROTATION: TaskSpace.ORIENTATION}

@@ -6,10 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypeVar
 
-from graspdsl.basis.effectors import EFFECTORS, Effector
+from graspdsl.basis.effector import Effector
+from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS, Potential
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
+from graspdsl.basis.spaces import GradientSpace
+from graspdsl.compiler.citing import cited
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.definitions import Bindings, Definition, expanded
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
@@ -188,14 +191,14 @@ class Checker:
         assert isinstance(first, syntax.Name | syntax.Virtual | syntax.ResourceSet)
         if first == second:
             return True
-        one, other = self._resources.resolve(first), self._resources.resolve(second)
+        one, other = self._resources.resolve_any(first), self._resources.resolve_any(second)
         if one is None or other is None or one.same_as(other):
             return one is not None and other is not None
         name = definition.head.name.text
         self.complaints.error(
             "resources-differ",
             f"{name} needs the same resources for effector and sensor"
-            f"{f' (Eq. {definition.equation})' if definition.equation else ''}, "
+            f"{f' ({cited(definition.equation)})' if definition.equation else ''}, "
             f"found {to_unicode(first)} and {to_unicode(second)}",
             second.span,
             f"write {name}|{to_unicode(first)} {to_unicode(first)}",
@@ -208,8 +211,9 @@ class Checker:
         potential = self._known(tree.potential, POTENTIALS, "potential")
         effector = self._known(tree.effector.name, EFFECTORS, "effector transform")
         sensor = self.sensor(tree.sensor.name)
-        moved = self._moved(tree.effector.resources)
-        sensed = self.sensed(tree.sensor.resources)
+        over_joints = sensor is not None and sensor.over_joints
+        moved = self._moved(tree.effector.resources, over_joints)
+        sensed = self.sensed(tree.sensor.resources, over_joints)
         fits = potential is not None and self._fits(tree, potential, effector, sensor)
         if potential is None or sensed is None:
             return None
@@ -225,6 +229,14 @@ class Checker:
                 f"write {sensor.symbol}({moved.label})",
             )
             return None
+        rotating = effector.gradient_space is GradientSpace.ROTATION
+        if rotating and isinstance(sensed, ContactSet) and not sensed.has_gravity:
+            self.complaints.warning(
+                "zero-gradient",
+                f"contacts that turn together do not change {sensor.symbol}: without γ_g the gradient is always zero",
+                tree.sensor.resources.span,
+                "put γ_g among the sensor's resources (Eq. 4.41)",
+            )
         if sensor.per_contact:
             moved = sensed  # the same resources, in the order of the sensor's rows
         label = to_unicode(syntax.Controller(tree.potential, tree.effector, tree.sensor))
@@ -256,11 +268,11 @@ class Checker:
         """The sensor transform of a name."""
         return self._known(name, SENSORS, "sensor transform")
 
-    def sensed(self, resources: syntax.Resources) -> ContactSet | None:
+    def sensed(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
         """The resources of a sensor transform."""
-        return self._resources.resolve(resources)
+        return self._resources.resolve_joints(resources) if over_joints else self._resources.resolve(resources)
 
-    def _moved(self, resources: syntax.Resources) -> ContactSet | None:
+    def _moved(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
         """The resources of an effector transform: gravity is not among what can be moved (Sec. 4.4.2)."""
         if self._resources.has_gravity(resources):
             self.complaints.error(
@@ -270,7 +282,7 @@ class Checker:
                 "put γ_g in the sensor resources only",
             )
             return None
-        return self._resources.resolve(resources)
+        return self.sensed(resources, over_joints)
 
     def _known(self, name: syntax.Name, table: Mapping[str, T], what: str) -> T | None:
         found = table.get(name.text)

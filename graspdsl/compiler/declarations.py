@@ -43,6 +43,10 @@ class Declarations:
     mount: SourceText
     world: SourceText
     object: SourceText | None
+    object_path: Path
+    holds: bool
+    senses_gravity: bool
+    displacement: str
     resources: tuple[Entry, ...]
     controllers: tuple[Entry, ...]
     parameters: Mapping[str, tuple[float, ...] | None]
@@ -58,6 +62,10 @@ def default_scene() -> Declarations:
         mount=SourceText.of("gantry"),
         world=SourceText.of("bullet"),
         object=None,
+        object_path=(),
+        holds=False,
+        senses_gravity=True,
+        displacement="sliding",
         resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
         controllers=(),
         parameters={"κ_f": (0.5,)},
@@ -68,17 +76,36 @@ def default_scene() -> Declarations:
 def declarations_of(document: Document) -> Declarations:
     """What can be read of a document, whatever else is wrong with it."""
     fallback = default_scene()
+    scene = document.data.get("scene")
+    inline = isinstance(scene, dict) and isinstance(scene.get("object"), dict)
+    object_path: Path = ("scene", "object", "like") if inline else ("scene", "object")
     return Declarations(
         hand=_text(document, ("scene", "hand")) or fallback.hand,
         mount=_text(document, ("scene", "mount")) or fallback.mount,
         world=_text(document, ("scene", "world")) or fallback.world,
-        object=_text(document, ("scene", "object")),
+        object=_text(document, object_path),
+        object_path=object_path,
+        holds=_holds(document),
+        senses_gravity=_senses_gravity(document),
+        displacement="probing" if _mapping(document, "control").get("displacement") == "probing" else "sliding",
         resources=_entries(document, "resources"),
         controllers=_entries(document, "controllers"),
         parameters=_parameters(document),
         phases=_phases(document),
         document=document,
     )
+
+
+def _senses_gravity(document: Document) -> bool:
+    """Where the object's centre of mass is, is known of a held object and of a floating world's."""
+    scene = document.data.get("scene")
+    return not isinstance(scene, dict) or scene.get("world") == "floating" or _holds(document)
+
+
+def _holds(document: Document) -> bool:
+    scene = document.data.get("scene")
+    thing = scene.get("object") if isinstance(scene, dict) else None
+    return isinstance(thing, dict) and thing.get("held") is True
 
 
 def _text(document: Document, path: Path) -> SourceText | None:

@@ -11,6 +11,7 @@ from typing import TypeVar
 import yaml
 
 import graspdsl.basis
+from graspdsl.compiler.citing import cited
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Entry
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
@@ -79,7 +80,7 @@ def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[s
             continue
         name = head.name.text
         if name in known:
-            where = f"in the prelude (Eq. {known[name].equation})" if known[name].in_prelude else "above"
+            where = f"in the prelude ({cited(known[name].equation)})" if known[name].in_prelude else "above"
             complaints.error(
                 "controller-redefined", f"{name} is defined already, {where}", whole(entry.key), "choose another name"
             )

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
+from graspdsl.compiler.citing import cited
 from graspdsl.compiler.graph import (
     Composition,
     ControllerGraph,
@@ -32,7 +34,7 @@ class Explanation:
     """A checked formula with everything there is to say of it. One pipeline a stage of ``then``."""
 
     phase: CheckedPhase
-    robot: Robot
+    target: Target
     pipelines: tuple[Pipeline, ...]
     shapes: tuple[tuple[tuple[int, ...], ...], ...]
 
@@ -60,7 +62,8 @@ class Explanation:
         rows = [f"formula    {self.unicode()}", f"ASCII      {self.ascii()}"]
         rows += [f"stands for {_written(graph)}" for graph in self.phase.stages]
         rows += ["", "resources", *self._resources(), "", "controllers, highest priority first", self.tree(), ""]
-        rows += ["pipeline", self.pipeline()]
+        rows += [f"note: {note}" for note in self.notes()]
+        rows += ["", "pipeline", self.pipeline()]
         return "\n".join(rows)
 
     def as_dict(self) -> dict[str, Any]:
@@ -69,6 +72,7 @@ class Explanation:
             "unicode": self.unicode(),
             "ascii": self.ascii(),
             "stands_for": [_written(graph) for graph in self.phase.stages],
+            "notes": self.notes(),
             "gradient_space": [graph.gradient_space.value for graph in self.phase.stages],
             "controllers": [[_node(node) for node in controllers_in(graph)] for graph in self.phase.stages],
             "pipeline": [
@@ -86,15 +90,29 @@ class Explanation:
             ],
         }
 
+    def notes(self) -> list[str]:
+        """What is worth knowing of the formula before it is run."""
+        control = self.target.control
+        by_gradient = control.nullspace == "gradient" and control.surface == "tangent"
+        sums = [graph for graph in _compositions(self.phase.stages) if by_gradient and _is_plain_sum(graph)]
+        return [
+            f"◁ is a plain sum in {_written(graph)}: with all contacts controlled and equal weights the two gradients "
+            "are at right angles, so the projector takes nothing away"
+            for graph in sums
+        ]
+
     def _resources(self) -> list[str]:
-        names = self.robot.contacts
+        contacts, joints = [*self.target.robot.contacts, "gravity"], list(self.target.robot.joints)
         sets = {s.label: s for graph in self.phase.stages for n in controllers_in(graph) for s in _sets(n)}
         rows = []
         for label, resources in sets.items():
-            means = [
-                " + ".join(names[c] if w == 1.0 else f"{w:.3g} {names[c]}" for c, w in member.weights)
-                for member in resources.members
-            ]
+            if isinstance(resources, JointSet):
+                means = [joints[joint] for joint in resources.joints]
+            else:
+                means = [
+                    " + ".join(contacts[c] if w == 1.0 else f"{w:.3g} {contacts[c]}" for c, w in member.weights)
+                    for member in resources.members
+                ]
             rows.append(f"  {label} = {{{', '.join(means)}}}")
         return rows
 
@@ -110,7 +128,7 @@ def explained(phase: CheckedPhase, target: Target) -> Explanation:
     pipelines = tuple(compile_controller(graph, phase.grasp, target) for graph in phase.stages)
     observation = _example(target.robot)
     shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
-    return Explanation(phase, target.robot, pipelines, shapes)
+    return Explanation(phase, target, pipelines, shapes)
 
 
 def _example(robot: Robot) -> Observation:
@@ -126,10 +144,38 @@ def _example(robot: Robot) -> Observation:
         touching=np.ones(count, dtype=bool),
         joints=np.zeros(joints),
         jacobian=np.ones((count, 3, joints)),
+        angular_jacobian=np.ones((count, 3, joints)),
+        orientations=np.zeros((count, 3)),
+        centre_of_mass=np.zeros(3),
+        weight=np.array([0.0, 0.0, -1.0]),
     )
 
 
-def _sets(node: ControllerNode) -> list[ContactSet]:
+def _compositions(graphs: Iterable[ControllerGraph]) -> Iterator[Composition]:
+    for graph in graphs:
+        if isinstance(graph, Composition):
+            yield graph
+            yield from _compositions(graph.terms)
+        elif isinstance(graph.reference, ControllerReference):
+            yield from _compositions([graph.reference.controller])
+
+
+def _is_plain_sum(graph: Composition) -> bool:
+    """Σ (P_i F)·(f_i × M) = F·(F × M) = 0: force and moment residual of the same contacts, each with weight one."""
+    nodes = [term for term in graph.terms if isinstance(term, ControllerNode)]
+    if {node.potential.symbol for node in nodes} != {"φ_fr", "φ_mr"} or len(nodes) != len(graph.terms):
+        return False
+    sets = [resources for node in nodes for resources in _sets(node)]
+    return all(
+        isinstance(resources, ContactSet)
+        and not resources.has_virtual
+        and not resources.has_gravity
+        and resources.same_as(sets[0])
+        for resources in sets
+    )
+
+
+def _sets(node: ControllerNode) -> list[ContactSet | JointSet]:
     return [node.effector_resources, node.sensor_resources]
 
 
@@ -155,11 +201,11 @@ def _graph(graph: ControllerGraph, indent: str) -> list[str]:
         return [row for term in reversed(graph.terms) for row in _graph(term, indent)]
     potential, sensor, effector = graph.potential, graph.sensor, graph.effector
     rows = [
-        f"{indent}{potential.symbol}  {potential.about} (Eq. {potential.equation})",
+        f"{indent}{potential.symbol}  {potential.about} ({cited(potential.equation)})",
         f"{indent}  senses  {sensor.symbol}({graph.sensor_resources.label})  {sensor.space.value} "
-        f"(Eq. {sensor.equation})",
+        f"({cited(sensor.equation)})",
         f"{indent}  moves   {effector.symbol}({graph.effector_resources.label})  {effector.about} "
-        f"→ {effector.gradient_space.value} (Eq. {effector.equation})",
+        f"→ {effector.gradient_space.value} ({cited(effector.equation)})",
     ]
     match graph.reference:
         case ControllerReference(controller):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graspdsl.basis.effectors import Effector
+from graspdsl.basis.effector import Effector
 from graspdsl.basis.potentials import Potential
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import Sensor
 from graspdsl.basis.spaces import GradientSpace
 
@@ -26,7 +26,7 @@ class SensorReference:
     label: str
     factor: float
     sensor: Sensor
-    resources: ContactSet
+    resources: ContactSet | JointSet
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,9 @@ class ControllerNode:
     label: str
     potential: Potential
     effector: Effector
-    effector_resources: ContactSet
+    effector_resources: ContactSet | JointSet
     sensor: Sensor
-    sensor_resources: ContactSet
+    sensor_resources: ContactSet | JointSet
     reference: Reference | None
 
     @property

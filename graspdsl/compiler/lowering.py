@@ -7,19 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from graspdsl.arrays import Array
 from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import GradientSpace
+from graspdsl.basis.spaces import GradientSpace, TaskSpace
 from graspdsl.compiler import operations
-from graspdsl.compiler.graph import (
-    Composition,
-    ControllerGraph,
-    ControllerNode,
-    ControllerReference,
-    SensorReference,
-    VectorReference,
-)
+from graspdsl.compiler.citing import cited
+from graspdsl.compiler.errors import Errors
+from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.laws import Laws
 from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder
 from graspdsl.compiler.settings import Target
@@ -45,35 +39,47 @@ class _Lowering:
         self._grasp, self._target, self._control = grasp, target, target.control
         self._build = PipelineBuilder()
         self._transforms = Transforms(self._build, grasp, target)
-        self._laws = Laws(self._build, self._transforms, target)
+        self._errors = Errors(self._build, self._transforms, target, self._motion)
+        self._laws = Laws(self._build, self._transforms, grasp, target)
         self._leaks: list[Leak] = []
+        self._ranks: list[int] = []
+        self._force_errors: list[int] = []
 
     def pipeline(self, graph: ControllerGraph) -> Pipeline:
-        command = self._motion(graph)
-        by_contact = {GradientSpace.SURFACE: operations.by_surface, GradientSpace.CARTESIAN: operations.by_contact}
-        if graph.gradient_space in by_contact:
-            command = self._build.apply("Δ(γ)", "displacement, by contact", by_contact[graph.gradient_space], command)
+        space, command = graph.gradient_space, self._motion(graph)
+        if space is GradientSpace.SURFACE:
+            frames, radius = self._transforms.read("frames"), self._transforms.read("curvature_radius")
+            by_surface = self._build.apply("Δψ(γ)", "by contact", operations.by_surface, command)
+            about = "displacement of the contacts [m], Eq. 4.27"
+            command = self._build.apply("Δx", about, operations.from_surface, frames, radius, by_surface)
+        elif space is not GradientSpace.JOINTS:
+            command = self._build.apply(f"Δ{space.value}", "by contact", operations.by_contact, command)
+        if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
+            cap = partial(operations.capped_rows, self._target.cap)
+            command = self._build.apply("Δx", "capped", cap, command)
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
-        outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks]]
+        outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]
+        outputs += self._force_errors[:1]
         steps, number = self._build.needed(outputs)
         return Pipeline(
             steps=steps,
             command=number[command],
-            space=graph.gradient_space.value,
+            space="x" if space is GradientSpace.SURFACE else space.value,
             force_residual=number[force_residual],
             moment_residual=number[moment_residual],
             leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
+            ranks=tuple(number[rank] for rank in self._ranks),
+            force_error=number[self._force_errors[0]] if self._force_errors else None,
         )
 
     def _motion(self, graph: ControllerGraph) -> int:
-        """The displacement of a whole controller, scaled back from the coordinates it was worked out in."""
-        space = graph.gradient_space
-        joints = space is GradientSpace.JOINTS
-        scale = np.array(self._target.robot.weights) if joints else self._transforms.contact_scale(space)
-        unscale = partial(np.multiply, scale)
-        about = f"{space.about}, scaled back"
-        return self._build.apply(f"Δ{space.value}", about, unscale, self._level(graph).displacement)
+        """The displacement of a whole controller; joints are scaled back from their working coordinates."""
+        displacement = self._level(graph).displacement
+        if graph.gradient_space is not GradientSpace.JOINTS:
+            return displacement
+        unscale = partial(np.multiply, np.array(self._target.robot.weights))
+        return self._build.apply("Δq", f"{graph.gradient_space.about}, scaled back", unscale, displacement)
 
     def _level(self, graph: ControllerGraph) -> Level:
         return self._composition(graph) if isinstance(graph, Composition) else self._controller(graph)
@@ -93,6 +99,7 @@ class _Lowering:
             projected = self._build.apply(
                 f"N Δ{level.label}", "the lower level, projected", operations.times, projector, level.displacement
             )
+            self._ranks.append(self._build.apply("rank", "dimension of the null space", operations.rank, projector))
             for higher, step in zip(above, felt, strict=True):
                 self._certify(level, higher, step, projected)
             total = self._build.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)
@@ -111,42 +118,11 @@ class _Lowering:
 
     def _controller(self, node: ControllerNode) -> Level:
         name = node.potential.symbol
-        error = self._error(node)
-        about = f"gradient of the potential, Eq. {node.potential.equation}"
+        error = self._errors.error(node)
+        if node.potential.space is TaskSpace.FORCE:
+            about = "largest distance of a contact force from its reference [N]"
+            self._force_errors.append(self._build.apply("max |e φ_f|", about, operations.longest, error))
+        about = f"gradient of the potential, {cited(node.potential.equation)}"
         slope = self._build.apply(f"∇{name}", about, node.potential.gradient, error)
-        task = self._transforms.effector(node.effector, node.effector_resources)
+        task = self._transforms.effector(node.effector, node.effector_resources, node.sensor_resources)
         return Level(name, self._laws.displacement(node, slope, task), task)
-
-    def _error(self, node: ControllerNode) -> int:
-        """reference − sensed, flattened; a controller without a reference strives for zero."""
-        build, resources = self._build, node.sensor_resources
-        sensed = self._transforms.sensor(node.sensor, resources)
-        label = f"e {node.potential.symbol}"
-        match node.reference:
-            case None:
-                return build.apply(label, "error: zero − sensed", np.negative, sensed)
-            case VectorReference(name, values):
-                return self._vector_error(node, label, name, np.array(values).reshape(-1, 3))
-            case SensorReference(name, factor, sensor, set_of_reference):
-                value = self._transforms.sensor(sensor, set_of_reference)
-                value = build.apply(name, "reference", partial(np.multiply, factor), value)
-            case ControllerReference(controller):
-                cap = partial(operations.capped, self._control.cap)
-                moved = build.apply("Δx", "contact displacements, capped", cap, self._motion(controller))
-                rows = partial(operations.rows_of, self._transforms.mixing(resources))
-                shift = build.apply(f"Δx({resources.label})", "displacement by resource", rows, moved)
-                value = build.apply("x_ref", "reference: sensed + displacement", np.add, sensed, shift)
-        error = build.apply(label, "error: reference − sensed", np.subtract, value, sensed)
-        return build.apply(label, "flattened", operations.flat, error)
-
-    def _vector_error(self, node: ControllerNode, label: str, name: str, values: Array) -> int:
-        """Reference minus the resources' means; the members of a virtual contact share its error."""
-        build, resources = self._build, node.sensor_resources
-        value = build.constant(name, "reference", values)
-        means = self._transforms.sensor(node.sensor, resources, resources.matrix)
-        error = build.apply(label, "error: reference − sensed", np.subtract, value, means)
-        if self._control.virtual == "members":
-            owner = np.repeat(np.arange(len(resources.members)), [len(member.weights) for member in resources.members])
-            spread = np.eye(len(resources.members))[owner]
-            error = build.apply(label, "error of each member", partial(np.matmul, spread), error)
-        return build.apply(label, "flattened", operations.flat, error)

@@ -33,6 +33,22 @@ def by_surface(vector: Array) -> Array:
     return vector.reshape(*vector.shape[:-1], -1, 2)
 
 
+def same(value: Array) -> Array:
+    """The value itself, under another name."""
+    return value
+
+
+def with_last_row(rows: Array, last: Array) -> Array:
+    """Rows (..., k, 3) and one more (3,) or (..., 3) beneath them."""
+    shape = (*rows.shape[:-2], 1, 3)
+    return np.concatenate([rows, np.broadcast_to(last[..., None, :], shape)], axis=-2)
+
+
+def rank(projector: Array) -> Array:
+    """The dimension (...) of what an orthogonal projector (..., D, D) leaves free."""
+    return np.asarray(np.round(np.trace(projector, axis1=-2, axis2=-1)))
+
+
 def stacked(*matrices: Array) -> Array:
     """Matrices (..., d, D) on top of each other."""
     return np.concatenate(matrices, axis=-2)
@@ -49,15 +65,46 @@ def shared(sharing: Array, jacobian: Array) -> Array:
     return np.asarray(jacobian @ np.kron(sharing, coordinates))
 
 
+def shared_along_frames(sharing: Array, jacobian: Array, frames: Array) -> Array:
+    """A Jacobian (..., d, 2k) in coordinates along frames T (..., k, 3, 2), by contacts that move together in space.
+
+    Each takes the part along its own tangent plane: columns Σ_i sharing_ij J_i T_iᵀ T_j, free of the choice of frames.
+    """
+    blocks = jacobian.reshape(*jacobian.shape[:-1], len(sharing), 2)
+    together = np.einsum("...dki,...kai,kj->...dja", blocks, frames, sharing)
+    return np.asarray(np.einsum("...dja,...jai->...dji", together, frames).reshape(jacobian.shape))
+
+
 def gated(displacement: Array, gate: Array) -> Array:
     """The displacement (..., D) where the gate (...) is one, nothing where it is zero."""
     return np.asarray(displacement * gate[..., None])
+
+
+def longest(rows: Array) -> Array:
+    """The greatest length (...) of the rows of (..., 3m)."""
+    return np.asarray(np.linalg.norm(by_contact(rows), axis=-1).max(axis=-1))
+
+
+def shortened(limit: Array | float, vector: Array) -> Array:
+    """A vector (..., D), shortened to ``limit`` where it is longer."""
+    length = np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.asarray(vector / np.maximum(1.0, length / limit))
 
 
 def capped(cap: float, displacement: Array) -> Array:
     """Contact displacements (..., 3k), all shortened alike so that no contact moves further than ``cap`` [m]."""
     longest = np.sqrt(np.einsum("...ki,...ki->...k", by_contact(displacement), by_contact(displacement))).max(axis=-1)
     return np.asarray(displacement / np.maximum(1.0, longest / cap)[..., None])
+
+
+def capped_rows(cap: float, displacement: Array) -> Array:
+    """As :func:`capped`, for displacements (..., k, 3)."""
+    return by_contact(capped(cap, flat(displacement)))
+
+
+def from_surface(frames: Array, radius: Array, coordinates: Array) -> Array:
+    """Displacements (..., k, 3) [m] of surface coordinates (..., k, 2) [rad]: r T ψ, the inverse of Eq. 4.27."""
+    return np.asarray(radius * np.einsum("...kij,...kj->...ki", frames, coordinates))
 
 
 def task_projector(*jacobians: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -34,12 +35,14 @@ class Leak:
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """What the pipeline made of one observation. ``residuals`` in the order of Pipeline.residuals."""
+    """What the pipeline made of one observation; units as in :class:`Pipeline`, NaN for an error that there is not."""
 
     command: Command
     force_residual: Array
     moment_residual: Array
+    force_error: float
     leaks: tuple[float, ...]
+    ranks: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,9 @@ class Pipeline:
     """A compiled controller. ``evaluate`` is pure: the same observation gives the same command.
 
     ``command`` is the step whose value is the displacement; ``force_residual`` and ``moment_residual`` the steps of the
-    sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources.
+    sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources. ``ranks``: the dimensions of the null
+    spaces that lower levels run in. ``force_error``: the largest distance [N] of a contact force from its reference,
+    None when no controller has one.
     """
 
     steps: tuple[Step, ...]
@@ -56,6 +61,8 @@ class Pipeline:
     force_residual: int
     moment_residual: int
     leaks: tuple[Leak, ...]
+    ranks: tuple[int, ...] = ()
+    force_error: int | None = None
 
     def values(self, observation: Observation) -> list[Array]:
         """The value of every step for an observation, in the order of the steps."""
@@ -74,7 +81,9 @@ class Pipeline:
             command=Command(self.space, values[self.command]),
             force_residual=values[self.force_residual],
             moment_residual=values[self.moment_residual],
+            force_error=math.nan if self.force_error is None else float(values[self.force_error]),
             leaks=tuple(float(values[leak.step]) for leak in self.leaks),
+            ranks=tuple(int(values[rank]) for rank in self.ranks),
         )
 
 

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from graspdsl.basis.resources import ContactSet
-from graspdsl.basis.spaces import TaskSpace
+from graspdsl.basis.effectors import EFFECTORS
+from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.resources import ContactResource, ContactSet
+from graspdsl.basis.sensors import SENSORS
+from graspdsl.basis.spaces import GradientSpace, TaskSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Declarations, PhaseEntry, declarations_of, default_scene
 from graspdsl.compiler.definitions import definitions_with
-from graspdsl.compiler.graph import ControllerGraph, controllers_in
+from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
+from graspdsl.compiler.scene_check import check_scene
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -28,6 +32,13 @@ from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
+
+# What a phase can wait for: the task spaces of the potentials that lower it, and the first of them to name.
+CONDITIONS = {
+    "force_residual": ({TaskSpace.NET_FORCE, TaskSpace.NET_WRENCH}, "φ_fr"),
+    "moment_residual": ({TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH}, "φ_mr"),
+    "force_error": ({TaskSpace.FORCE}, "φ_f"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +64,23 @@ class Program:
     world: WorldKind
     phases: tuple[CheckedPhase, ...]
 
+    @property
+    def probes(self) -> bool:
+        """Whether a displacement of the contacts is one probe, and not one tick."""
+        return self.spec.control.displacement == "probing" and not self.world.floats
+
+    @property
+    def target(self) -> Target:
+        """What the program's pipelines drive."""
+        probing = self.world.floats or self.probes
+        return Target(self.robot, self.world.rate, self.spec.control, probing, self.spec.scene.held)
+
     def pipelines(self) -> tuple[tuple[Pipeline, ...], ...]:
         """The compiled stages of every phase."""
-        target = Target(self.robot, self.world.rate, self.spec.control)
+        target = self.target
         return tuple(
-            tuple(compile_controller(stage, phase.grasp, target) for stage in phase.stages) for phase in self.phases
+            tuple(compile_controller(executable(stage), phase.grasp, target) for stage in phase.stages)
+            for phase in self.phases
         )
 
 
@@ -78,6 +101,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     complaints = Complaints(document)
     check = _ProgramCheck(declarations_of(document), complaints)
     phases = check.phases()
+    check_scene(document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
@@ -112,12 +136,13 @@ class _ProgramCheck:
     def __init__(self, declarations: Declarations, complaints: Complaints) -> None:
         self._declarations, self._complaints = declarations, complaints
         self.robot = self._robot()
-        self._named(("scene", "object"), declarations.object, catalogue(), "object")
+        self._named(declarations.object_path, declarations.object, catalogue(), "object")
         if self.robot is None:
             return
         self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
-        table = ResourceTable(declarations.resources, self.robot, complaints)
+        senses_gravity = declarations.senses_gravity
+        table = ResourceTable(declarations.resources, self.robot, complaints, senses_gravity=senses_gravity)
         self._checker = Checker(table, definitions, declarations.parameters, complaints)
 
     def _robot(self) -> Robot | None:
@@ -168,40 +193,65 @@ class _ProgramCheck:
             self._complaints.take(error)
             return None
         stages = self._checker.stages(tree)
-        return None if stages is None else CheckedPhase(tree, stages, _grasp(stages))
+        return None if stages is None or self.robot is None else CheckedPhase(tree, stages, _grasp(stages, self.robot))
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
         world = WORLDS.get(self._declarations.world.text)
+        if world is None:
+            return
+        way = self._declarations.displacement
+        able = world.spaces(way) | ({GradientSpace.ROTATION} if self._declarations.holds else set())
         for stage in phase.stages:
             space = stage.gradient_space
-            if world is not None and space not in world.spaces:
-                can = ", ".join(f"{s.value}, {s.about}" for s in world.spaces)
+            lacking = sorted({node.sensor.symbol for node in controllers_in(stage) if "forces" in node.sensor.reads})
+            if world.floats and lacking:
+                self._complaints.error(
+                    "not-sensed",
+                    f"floating contacts feel no forces: {', '.join(lacking)} cannot be sensed in the floating world",
+                    whole(entry.formula),
+                    "use σ_fr and σ_mr, as π_gx does, or the bullet world",
+                )
+            elif space not in able:
+                can = ", ".join(sorted(f"{s.value}, {s.about}" for s in able))
                 self._complaints.error(
                     "world-cannot-execute",
-                    f"the {world.name} world cannot carry out a gradient in {space.value}, {space.about}",
+                    f"the {world.name} world cannot carry out a gradient in {space.value}, {space.about}, by {way}",
                     whole(entry.formula),
-                    f"it carries out {can}; make the controller the reference of one of those, as π_s|Γ Γ (…) does",
+                    f"it carries out {can}"
+                    + ("" if world.floats else "; make the controller the reference of one, as π_s|Γ Γ (…) does"),
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
         controlled = {node.potential.space for stage in phase.stages for node in controllers_in(stage)}
-        wanted = {"force_residual": TaskSpace.NET_FORCE, "moment_residual": TaskSpace.NET_MOMENT}
-        for key, space in wanted.items():
-            if entry.conditions.get(key) is not None and space not in controlled and self._declarations.document:
+        for key, (spaces, lowering) in CONDITIONS.items():
+            if entry.conditions.get(key) is not None and not spaces & controlled and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
                 self._complaints.about(path)
                 self._complaints.warning(
                     "residual-not-controlled",
                     f"{key} is waited for, but no controller of this phase lowers it",
                     self._declarations.document.key_span(path),
-                    "wait for something else, or run a controller with φ_fr and φ_mr",
+                    f"wait for something else, or run a controller with {lowering}",
                 )
 
 
-def _grasp(stages: tuple[ControllerGraph, ...]) -> ContactSet:
-    """The resources whose residuals matter: those of the first residual sensor, else those the phase moves."""
+def executable(graph: ControllerGraph) -> ControllerGraph:
+    """A controller as a world carries it out: rotations of contacts as references of φ_r, as Eq. 4.41 has it."""
+    if graph.gradient_space is not GradientSpace.ROTATION:
+        return graph
+    moved = next(n.effector_resources for n in controllers_in(graph) if n.gradient_space is GradientSpace.ROTATION)
+    label = f"φ_r|τ_r({moved.label}) σ_r({moved.label})"
+    reference = ControllerReference(graph)
+    return ControllerNode(label, POTENTIALS["φ_r"], EFFECTORS["τ_r"], moved, SENSORS["σ_r"], moved, reference)
+
+
+def _grasp(stages: tuple[ControllerGraph, ...], robot: Robot) -> ContactSet:
+    """The resources whose residuals matter: those of the first residual sensor, else those the phase moves, else all
+    of the robot's contacts."""
     nodes = [node for stage in stages for node in controllers_in(stage)]
-    residuals = (TaskSpace.NET_FORCE, TaskSpace.NET_MOMENT)
-    return next(
-        (node.sensor_resources for node in nodes if node.sensor.space in residuals), nodes[0].effector_resources
-    )
+    residuals = (TaskSpace.NET_FORCE, TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH)
+    graded = [node.sensor_resources for node in nodes if node.potential.space in residuals]
+    moved = [node.effector_resources for node in nodes]
+    every = tuple(ContactResource(name, ((index, 1.0),)) for index, name in enumerate(robot.contacts))
+    contacts = [found for found in [*graded, *moved] if isinstance(found, ContactSet)]
+    return contacts[0] if contacts else ContactSet("all contacts", every, len(every))

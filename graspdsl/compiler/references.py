@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import DISPLACES
+from graspdsl.basis.spaces import DISPLACES, TaskSpace
 from graspdsl.compiler.graph import ControllerReference, Reference, SensorReference, VectorReference
 from graspdsl.diagnostics import Span, known_names_hint, listed
 from graspdsl.notation import tree as syntax
@@ -25,7 +25,7 @@ class ReferenceCheck:
         self._checker, self._complaints, self._parameters = checker, checker.complaints, parameters
 
     def reference(
-        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet, span: Span
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet, span: Span
     ) -> tuple[bool, Reference | None]:
         """Whether the reference is sound, and what it is."""
         if not potential.references:
@@ -38,11 +38,13 @@ class ReferenceCheck:
                 "leave the reference out",
             )
             return False, None
+        if tree is None and potential.has_default_reference:
+            return True, None
         found = self._found(tree, potential, resources, span)
         return found is not None, found
 
     def _found(
-        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet, span: Span
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet, span: Span
     ) -> Reference | None:
         match tree:
             case None:
@@ -77,22 +79,26 @@ class ReferenceCheck:
         return values
 
     def _vector(
-        self, values: tuple[float, ...], label: str, potential: Potential, resources: ContactSet, span: Span
+        self, values: tuple[float, ...], label: str, potential: Potential, resources: ContactSet | JointSet, span: Span
     ) -> VectorReference | None:
-        wanted = 3 * len(resources.members)
+        wanted = resources.size
         if len(values) != wanted:
-            count = len(resources.members)
+            joints = isinstance(resources, JointSet)
+            count = len(resources.joints) if isinstance(resources, JointSet) else len(resources.members)
+            what = f"{count} {'joint' if joints else 'resource'}{'s' if count != 1 else ''}"
             self._complaints.error(
                 "wrong-size",
-                f"the reference of {potential.symbol} over {count} resource{'s' if count != 1 else ''} has {wanted} "
-                f"numbers, {label} has {len(values)}",
+                f"the reference of {potential.symbol} over {what} has {wanted} number{'s' if wanted != 1 else ''}, "
+                f"{label} has {len(values)}",
                 span,
-                "give x, y and z for each resource, in their order",
+                "give one number for each joint" if joints else "give x, y and z for each resource, in their order",
             )
             return None
         return VectorReference(label, values)
 
-    def _scaled(self, tree: syntax.ScaledSensor, potential: Potential, resources: ContactSet) -> SensorReference | None:
+    def _scaled(
+        self, tree: syntax.ScaledSensor, potential: Potential, resources: ContactSet | JointSet
+    ) -> SensorReference | None:
         factor: float | None = 1.0
         if isinstance(tree.factor, syntax.Name):
             values = self._parameter(tree.factor)
@@ -107,7 +113,8 @@ class ReferenceCheck:
         elif tree.factor is not None:
             factor = tree.factor
         sensor = self._checker.sensor(tree.sensor.name)
-        set_of_reference = self._checker.sensed(tree.sensor.resources)
+        over_joints = sensor is not None and sensor.over_joints
+        set_of_reference = self._checker.sensed(tree.sensor.resources, over_joints)
         if sensor is None or set_of_reference is None or factor is None:
             return None
         if sensor.symbol not in potential.references:
@@ -119,7 +126,10 @@ class ReferenceCheck:
                 f"use {listed(potential.references, 'or')}",
             )
             return None
-        if [len(m.weights) for m in set_of_reference.members] != [len(m.weights) for m in resources.members]:
+        if sensor.space is TaskSpace.ORIENTATION and _has_gravity(set_of_reference):
+            self._complaints.error("gravity-not-sensed", "γ_g has no orientation", tree.span, "leave γ_g out")
+            return None
+        if _rows(set_of_reference) != _rows(resources):
             self._complaints.error(
                 "wrong-size",
                 f"the reference is over {set_of_reference.label}, the controller over {resources.label}",
@@ -165,3 +175,12 @@ def to_unicode_scaled(tree: syntax.ScaledSensor) -> str:
         case syntax.Name(text):
             return f"{text} {sensor}"
     return f"{tree.factor:g} {sensor}"
+
+
+def _has_gravity(resources: ContactSet | JointSet) -> bool:
+    return isinstance(resources, ContactSet) and resources.has_gravity
+
+
+def _rows(resources: ContactSet | JointSet) -> list[int]:
+    """What must agree for a reference over one set to fit a controller over another."""
+    return [resources.size] if isinstance(resources, JointSet) else [len(m.weights) for m in resources.members]

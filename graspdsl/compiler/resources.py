@@ -1,11 +1,11 @@
-"""Names of resources → weights over the hand's contacts."""
+"""Names of resources → weights over the hand's contacts and gravity, or sets of joints."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from graspdsl.basis.resources import ContactResource, ContactSet
+from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Entry
 from graspdsl.diagnostics import DiagnosticError, Span, known_names_hint
@@ -21,17 +21,18 @@ GRAVITY = "γ_g"
 
 @dataclass(frozen=True, slots=True)
 class _Declared:
-    meaning: int | Resources
+    meaning: int | JointSet | Resources
     place: Span
     path: Path
 
 
 @dataclass(frozen=True, slots=True)
 class _Meant:
-    """What a declared name stands for: a contact or virtual contact alone, or a set."""
+    """What a declared name stands for: a contact or virtual contact alone, a set of them, or a set of joints."""
 
     members: tuple[ContactResource, ...]
     is_set: bool
+    joints: JointSet | None = None
 
 
 class ResourceTable:
@@ -41,8 +42,8 @@ class ResourceTable:
     silence.
     """
 
-    def __init__(self, entries: Sequence[Entry], robot: Robot, complaints: Complaints) -> None:
-        self._robot, self._complaints = robot, complaints
+    def __init__(self, entries: Sequence[Entry], robot: Robot, complaints: Complaints, *, senses_gravity: bool) -> None:
+        self._robot, self._complaints, self._senses_gravity = robot, complaints, senses_gravity
         self._declared: dict[str, _Declared] = {}
         self._meant: dict[str, _Meant | None] = {}
         self._open: list[str] = []
@@ -69,10 +70,12 @@ class ResourceTable:
             else:
                 self._declared[name] = _Declared(meaning, whole(entry.value), entry.path)
 
-    def _meaning(self, entry: Entry) -> int | Resources | None:
+    def _meaning(self, entry: Entry) -> int | JointSet | Resources | None:
         contacts = self._robot.contacts
         if entry.value.text in contacts:
             return contacts.index(entry.value.text)
+        if entry.value.text in self._robot.joint_sets:
+            return self._joint_set(entry.value.text)
         if entry.value.text.lstrip()[:1] in {"{", "<", "⟨", "〈"} or canonical(entry.value.text)[:1] in {"γ", "Γ"}:
             try:
                 return parse_resources(entry.value)
@@ -81,11 +84,15 @@ class ResourceTable:
                 return None
         self._complaints.error(
             "unknown-contact",
-            f"the hand {self._robot.hand.hand} has no contact {entry.value.text!r}",
+            f"the hand {self._robot.hand.hand} has no contact and no joint set {entry.value.text!r}",
             whole(entry.value),
-            known_names_hint(entry.value.text, contacts, "contacts"),
+            known_names_hint(entry.value.text, [*contacts, *self._robot.joint_sets], "contacts and joint sets"),
         )
         return None
+
+    def _joint_set(self, name: str) -> JointSet:
+        order = list(self._robot.joints)
+        return JointSet(name, tuple(order.index(joint) for joint in self._robot.joint_sets[name]), len(order))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -93,11 +100,44 @@ class ResourceTable:
         return tuple(self._declared)
 
     def resolve(self, tree: Resources) -> ContactSet | None:
-        """The set that a resource expression means; None after a complaint."""
+        """The set of contacts that a resource expression means; None after a complaint."""
         meant = self._meaning_of(tree)
         if meant is None:
             return None
+        if meant.joints is not None:
+            self._not_contacts(tree)
+            return None
         return ContactSet(to_unicode(tree), meant.members, len(self._robot.contacts))
+
+    def _not_contacts(self, tree: Resources) -> None:
+        self._complaints.error(
+            "not-contacts",
+            f"{to_unicode(tree)} is a set of joints; contacts are needed here",
+            tree.span,
+            "joint sets are for σ_k and τ_k, one to each",
+        )
+
+    def resolve_any(self, tree: Resources) -> ContactSet | JointSet | None:
+        """The set that a resource expression means, of contacts or of joints; None after a complaint."""
+        meant = self._meaning_of(tree)
+        if meant is None:
+            return None
+        return meant.joints or ContactSet(to_unicode(tree), meant.members, len(self._robot.contacts))
+
+    def resolve_joints(self, tree: Resources) -> JointSet | None:
+        """The set of joints that a resource expression means; None after a complaint."""
+        meant = self._meaning_of(tree)
+        if meant is None:
+            return None
+        if meant.joints is None:
+            self._complaints.error(
+                "not-joints",
+                f"{to_unicode(tree)} is a set of contacts; joints are needed here",
+                tree.span,
+                f"declare a joint set, Γ_k: flexion; known joint sets: {', '.join(self._robot.joint_sets)}",
+            )
+            return None
+        return JointSet(to_unicode(tree), meant.joints.joints, meant.joints.count)
 
     def has_gravity(self, tree: Resources) -> bool:
         """Whether γ_g is somewhere in a resource expression."""
@@ -112,7 +152,7 @@ class ResourceTable:
             elif part.text in self._declared and part.text not in seen:
                 seen.add(part.text)
                 meaning = self._declared[part.text].meaning
-                waiting += [] if isinstance(meaning, int) else [meaning]
+                waiting += [] if isinstance(meaning, int | JointSet) else [meaning]
         return False
 
     def _meaning_of(self, tree: Resources) -> _Meant | None:
@@ -131,16 +171,12 @@ class ResourceTable:
 
     def _named(self, name: Name) -> _Meant | None:
         if name.text == GRAVITY:
-            self._complaints.error(
-                "gravity-not-sensed",
-                "γ_g has no place here: this world does not sense where the object's centre of mass is",
-                name.span,
-                "leave γ_g out",
-            )
-            return None
+            return self._gravity(name)
         if name.text in self._meant:
             return self._meant[name.text]
         declared = self._declared.get(name.text)
+        if declared is None and name.text in self._robot.joint_sets:
+            return _Meant((), is_set=True, joints=self._joint_set(name.text))
         if declared is None:
             self._complaints.error(
                 "unknown-resource",
@@ -162,7 +198,20 @@ class ResourceTable:
         self._open.pop()
         return self._meant[name.text]
 
-    def _declared_as(self, name: str, meaning: int | Resources) -> _Meant | None:
+    def _gravity(self, name: Name) -> _Meant | None:
+        if self._senses_gravity:
+            return _Meant((ContactResource(GRAVITY, ((len(self._robot.contacts), 1.0),)),), is_set=False)
+        self._complaints.error(
+            "gravity-not-sensed",
+            "γ_g has no place here: the centre of mass is known only of an object that is held",
+            name.span,
+            "add 'held: true' to the object, or leave γ_g out",
+        )
+        return None
+
+    def _declared_as(self, name: str, meaning: int | JointSet | Resources) -> _Meant | None:
+        if isinstance(meaning, JointSet):
+            return _Meant((), is_set=True, joints=meaning)
         if isinstance(meaning, int):
             return _Meant((ContactResource(name, ((meaning, 1.0),)),), is_set=False)
         meant = self._meaning_of(meaning)
@@ -191,6 +240,9 @@ class ResourceTable:
         meant = self._named(tree)
         if meant is None:
             return None
+        if meant.joints is not None:
+            self._not_contacts(tree)
+            return None
         if meant.is_set:
             self._complaints.error(
                 "set-in-set",
@@ -218,7 +270,7 @@ class ResourceTable:
         for member in members:
             for contact, weight in member.weights:
                 if contact in shares:
-                    name = self._robot.contacts[contact]
+                    name = [*self._robot.contacts, GRAVITY][contact]
                     self._complaints.error(
                         "repeated-member", f"{name} is in the virtual contact twice", tree.span, "name it once"
                     )

@@ -7,11 +7,38 @@ from dataclasses import dataclass
 from graspdsl.hands.descriptions import Robot
 from graspdsl.spec.program import Control
 
+SLIDING_STEP, SLIDING_CAP = 0.01, 0.015  # curvature radii a tick
+PROBING_STEP, PROBING_CAP = 0.5, 0.15  # curvature radii a probe; over Σw² of the resources
+
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What a pipeline drives and how: a robot in a world with a tick rate [Hz], under the spec's control settings."""
+    """What a pipeline drives and how: a robot in a world with a tick rate [Hz], under the spec's control settings.
+
+    ``probing``: one gradient step is one probe, or the contacts float. ``held``: the object is fixed to the hand, and
+    turns with the contacts.
+    """
 
     robot: Robot
     rate: float
     control: Control
+    probing: bool = False
+    held: bool = False
+
+    def step(self, squared_weights: float) -> float:
+        """The displacement [m] of a contact for a unit net force, over resources with this sum of squared weights."""
+        if self.control.step is not None:
+            return self.control.step
+        return self.control.curvature_radius * (PROBING_STEP / squared_weights if self.probing else SLIDING_STEP)
+
+    @property
+    def cap(self) -> float:
+        """The largest displacement [m] of a contact."""
+        if self.control.cap is not None:
+            return self.control.cap
+        return self.control.curvature_radius * (PROBING_CAP if self.probing else SLIDING_CAP)
+
+    @property
+    def turning_joints(self) -> tuple[bool, ...]:
+        """Which joints may turn contacts: the fingers that hold an object keep still, the mount turns all."""
+        return tuple(not self.held or name in self.robot.mount.joints for name in self.robot.joints)

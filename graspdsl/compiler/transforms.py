@@ -7,11 +7,13 @@ from functools import partial
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.effectors import Effector
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
+from graspdsl.basis.effector import Effector
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import Sensor
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler import operations
+from graspdsl.compiler.citing import cited
 from graspdsl.compiler.pipeline import PipelineBuilder
 from graspdsl.compiler.settings import Target
 
@@ -20,14 +22,19 @@ READINGS = {
     "normals": "inward unit normals",
     "forces": "contact forces [N]",
     "touching": "which contacts touch",
+    "joints": "joint positions [m or rad]",
+    "orientations": "fingertip orientations [rad]",
+    "centre_of_mass": "the object's centre of mass [m]",
+    "weight": "the object's weight [N]",
 }
+DOWN = np.array([0.0, 0.0, -1.0])
 
 
 class Transforms:
     """Makes the steps of sensor and effector transforms over resource sets.
 
     Joints are worked with in scaled coordinates, each divided by its weight, so that metres and radians weigh alike in
-    transposes, inverses and projectors; likewise the contacts, each divided by its ``contact_scale``.
+    transposes, inverses and projectors.
     """
 
     def __init__(self, build: PipelineBuilder, grasp: ContactSet, target: Target) -> None:
@@ -37,68 +44,104 @@ class Transforms:
         """The rows (m, k) of per-contact tasks: one a member of a virtual contact, or one a resource (their mean)."""
         if self._control.virtual == "common":
             return resources.matrix
-        rows: Array = np.eye(resources.count)[
-            [contact for member in resources.members for contact, _ in member.weights]
-        ]
+        chosen = [contact for member in resources.members for contact, _ in member.weights]
+        rows: Array = np.eye(resources.matrix.shape[1])[chosen]
         return rows
 
-    def sensor(self, sensor: Sensor, resources: ContactSet, mixing: Array | None = None) -> int:
+    def sensor(self, sensor: Sensor, resources: ContactSet | JointSet, mixing: Array | None = None) -> int:
         """σ(Γ); ``mixing`` overrules the rows that the control settings ask for."""
         if mixing is None:
-            mixing = self.mixing(resources) if sensor.per_contact else resources.weights
+            mixing = self._rows(sensor, resources)
+        with_gravity = isinstance(resources, ContactSet) and resources.has_gravity
         return self._build.apply(
             f"{sensor.symbol}({resources.label})",
-            f"{sensor.about}, Eq. {sensor.equation}",
+            f"{sensor.about}, {cited(sensor.equation)}",
             partial(sensor.evaluate, mixing),
-            *[self.read(name) for name in sensor.reads],
+            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in sensor.reads],
         )
 
-    def effector(self, effector: Effector, resources: ContactSet) -> int:
-        """τ(Γ)."""
+    def _rows(self, sensor: Sensor, resources: ContactSet | JointSet) -> Array:
+        if isinstance(resources, JointSet):
+            return resources.matrix
+        return self.mixing(resources) if sensor.per_contact else resources.weights
+
+    def _read_with_gravity(self, name: str) -> int:
+        """A reading over the contacts and, last, gravity (Eq. 4.35 to 4.37)."""
+        match name:
+            case "points":
+                last, about = self.read("centre_of_mass"), "contact points and the centre of mass, Eq. 4.35"
+            case "forces":
+                last, about = self.read("weight"), "contact forces and the weight, Eq. 4.36"
+            case "normals":
+                last, about = self._build.constant("γ_g", "down", DOWN), "normals and down, Eq. 4.37"
+            case _:
+                return self.read(name)
+        return self._build.apply(f"{name}, γ_g", about, operations.with_last_row, self.read(name), last)
+
+    def effector(self, effector: Effector, resources: ContactSet | JointSet, sensed: ContactSet | JointSet) -> int:
+        """τ(Γτ) of a controller that senses ``sensed``."""
         space = effector.gradient_space
-        joints = space is GradientSpace.JOINTS
         label = f"{effector.symbol}({resources.label})"
+        if isinstance(resources, JointSet):
+            assert isinstance(sensed, JointSet)
+            mixing = sensed.matrix * resources.mask
+        else:
+            mixing = self.mixing(resources) if space is GradientSpace.JOINTS else resources.weights
         step = self._build.apply(
             label,
-            f"{effector.about}, Eq. {effector.equation}",
-            partial(effector.evaluate, self.mixing(resources) if joints else resources.weights),
+            f"{effector.about}, {cited(effector.equation)}",
+            partial(effector.evaluate, mixing),
             *[self.read(name) for name in effector.reads],
         )
-        if joints or not self._grasp.has_virtual:
+        if self._target.held and "angular_jacobian" in effector.reads:
+            turning = partial(np.multiply, np.array(self._target.turning_joints, dtype=float))
+            return self._build.apply(label, "the fingers hold still", turning, step)
+        shared = self._control.virtual == "common" and isinstance(resources, ContactSet) and resources.has_virtual
+        if space is GradientSpace.JOINTS or not shared:
             return step
-        if self._control.virtual == "members":
-            scale = partial(np.multiply, self.contact_scale(space))
-            return self._build.apply(label, "in scaled contact coordinates", scale, step)
+        assert isinstance(resources, ContactSet)
         together = (resources.matrix > 0.0).astype(float)
-        share = partial(operations.shared, together.T @ together)
-        return self._build.apply(label, "members of a virtual contact move as one, Eq. 4.34", share, step)
-
-    def contact_scale(self, space: GradientSpace) -> Array:
-        """Factors on the coordinates of the contacts in ψ or x: 1/√w for a weight w, so that a member of a virtual
-        contact moves as far as it would alone, and the virtual contact by the mean of that (Eq. 4.34)."""
-        weights = self._grasp.weights
-        scale = np.where(weights > 0.0, 1.0 / np.sqrt(np.where(weights > 0.0, weights, 1.0)), 1.0)
-        if self._control.virtual == "common":
-            scale = np.ones_like(scale)
-        return np.repeat(scale, 2 if space is GradientSpace.SURFACE else 3)
+        about, sharing = "members of a virtual contact move as one, Eq. 4.34", together.T @ together
+        if space is GradientSpace.SURFACE and self._control.surface == "tangent":
+            share = partial(operations.shared_along_frames, sharing)
+            return self._build.apply(label, about, share, step, self.read("frames"))
+        return self._build.apply(label, about, partial(operations.shared, sharing), step)
 
     def read(self, name: str) -> int:
-        """A field of the observation, or a quantity made of one: ``jacobian``, ``curvature_radius``, ``origin``."""
+        """A field of the observation, or a quantity made of one."""
+        build = self._build
         match name:
-            case "jacobian":
-                raw = self._build.read("jacobian", "Jacobians of the contact points")
+            case "jacobian" | "angular_jacobian":
+                turning = "angular " if name == "angular_jacobian" else ""
+                raw = build.read(name, f"{turning}Jacobians of the contacts")
                 scale = partial(np.multiply, np.array(self._target.robot.weights))
-                return self._build.apply("J", "Jacobians in scaled joint coordinates", scale, raw)
+                return build.apply("J", f"{turning}Jacobians in scaled joint coordinates", scale, raw)
+            case "joint_weights":
+                return build.constant("D", "joint weights", np.array(self._target.robot.weights))
             case "curvature_radius":
                 radius = np.array(self._control.curvature_radius)
-                return self._build.constant("r", "radius of the model sphere [m]", radius)
-            case "origin" if self._control.origin == "world":
-                return self._build.constant("c", "origin of moments: the world's", np.zeros(3))
+                return build.constant("r", "radius of the model sphere [m]", radius)
+            case "frames":
+                frames = spherical_frames if self._control.surface == "spherical" else tangent_frames
+                return build.apply("(r̂_θ r̂_φ)", "frames of the tangent planes", frames, self.read("normals"))
+            case "stretch" if self._control.surface == "spherical":
+                return build.apply("(cosφ, 1)", "stretch of the coordinates", spherical_stretch, self.read("normals"))
+            case "stretch":
+                return build.constant("(1, 1)", "stretch of the coordinates: none", np.ones((self._grasp.count, 2)))
             case "origin":
-                shares = self._grasp.weights / self._grasp.weights.sum()
-                mean = partial(np.matmul, shares)
-                return self._build.apply("c", "origin of moments: centroid of the contacts", mean, self.read("points"))
-        return self._build.read(name, READINGS[name])
+                return self._origin()
+        return build.read(name, READINGS[name])
+
+    def _origin(self) -> int:
+        build, grasp = self._build, self._grasp
+        match self._control.origin:
+            case "world":
+                return build.constant("c", "origin of moments: the world's", np.zeros(3))
+            case "object":
+                return build.apply("c", "origin of moments: the object's", operations.same, self.read("centre_of_mass"))
+        mean = partial(np.matmul, grasp.weights / grasp.weights.sum())
+        points = self._read_with_gravity("points") if grasp.has_gravity else self.read("points")
+        return build.apply("c", "origin of moments: centroid of the contacts", mean, points)
 
     def fingers(self, resources: ContactSet) -> Array:
         """(k, n): ones at the joints of each contact's own finger; zero rows for contacts outside the set."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
@@ -35,29 +36,32 @@ class Coupling(_Frozen):
 
 
 class Contact(_Frozen):
-    """A fingertip: its link, the load cell's fixed joint before it, its sphere in the link's frame [m]."""
+    """A fingertip: its link, the load cell's fixed joint before it, its sphere in the link's frame [m].
 
-    link: str
-    cell: str
-    centre: tuple[float, float, float]
-    radius: float = Field(gt=0)
-    finger: tuple[str, ...] = Field(description="the joints of its own finger, which open and close it")
+    A contact of a hand without a model has none of these.
+    """
+
+    link: str = ""
+    cell: str = ""
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    radius: float = Field(0.0, ge=0)
+    finger: tuple[str, ...] = Field((), description="the joints of its own finger, which open and close it")
 
 
 class Hand(_Frozen):
-    """A hand description file."""
+    """A hand description file. Without a ``urdf`` it is bare contacts, for the floating world."""
 
     hand: str
     about: str = ""
-    urdf: str
-    root: str
-    palm: str
-    palm_surface: float = Field(description="m ahead of the mounting face, along its z axis")
-    joints: dict[str, Joint]
+    urdf: str = ""
+    root: str = ""
+    palm: str = ""
+    palm_surface: float = Field(0.0, description="m ahead of the mounting face, along its z axis")
+    joints: dict[str, Joint] = {}
     couplings: dict[str, Coupling] = {}
     contacts: dict[str, Contact]
     joint_sets: dict[str, tuple[str, ...]] = {}
-    postures: dict[str, dict[str, float]]
+    postures: dict[str, dict[str, float]] = {}
 
 
 class Mount(_Frozen):
@@ -116,6 +120,17 @@ def hands() -> Mapping[str, Hand]:
 def mounts() -> Mapping[str, Mount]:
     """The catalogue of mounts, by name."""
     return {name: Mount.model_validate(document) for name, document in _catalogue("mount")}
+
+
+def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Lower and upper limits [m or rad] of a robot's joints in command order, as its URDFs say."""
+    limits = {
+        joint.get("name", ""): joint.find("limit")
+        for file in filter(None, (robot.mount.urdf, robot.hand.urdf))
+        for joint in ElementTree.parse(HERE / file).getroot().iter("joint")
+    }
+    found = [limit for name in robot.joints if (limit := limits[name]) is not None]
+    return tuple(float(f.get("lower", "0")) for f in found), tuple(float(f.get("upper", "0")) for f in found)
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,10 +13,11 @@ import yaml
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """A cylinder along z, diameter and height [m]."""
+    """A cylinder along z, diameter and height [m]; ``edge`` [m] rounds its edges where contacts float."""
 
     diameter: float
     height: float
+    edge: float = 0.005
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -48,7 +49,50 @@ class Box:
         return self.size
 
 
-Shape = Cylinder | Sphere | Box
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """An ellipsoid, full size along x, y, z [m]."""
+
+    size: tuple[float, float, float]
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        """Full size along x, y, z [m]."""
+        return self.size
+
+
+@dataclass(frozen=True, slots=True)
+class Superquadric:
+    """|x/a|^p + |y/b|^p + |z/c|^p = 1: full size (2a, 2b, 2c) [m], exponent p from a ball (2) to a box (10)."""
+
+    size: tuple[float, float, float]
+    exponent: float
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        """Full size along x, y, z [m]."""
+        return self.size
+
+
+@dataclass(frozen=True, slots=True)
+class Bottle:
+    """A bottle of revolution along z: body, shoulder and neck [m]; ``shoulder`` and ``edge`` are roundings."""
+
+    diameter: float
+    height: float
+    neck_diameter: float
+    body_height: float
+    neck_height: float
+    shoulder: float
+    edge: float
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        """Full size along x, y, z [m]."""
+        return (self.diameter, self.diameter, self.height)
+
+
+Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +106,24 @@ class Body:
 
 
 def shape_from(form: Mapping[str, Any]) -> Shape:
-    """The shape in a mapping with one of the keys ``cylinder``, ``sphere``, ``box``, its fields beneath it."""
-    if cylinder := form.get("cylinder"):
-        return Cylinder(float(cylinder["diameter"]), float(cylinder["height"]))
-    if sphere := form.get("sphere"):
-        return Sphere(float(sphere["diameter"]))
-    x, y, z = form["box"]["size"]
-    return Box((float(x), float(y), float(z)))
+    """The shape in a mapping with one of the keys of SHAPES, its fields beneath it."""
+    kind = next(kind for kind in SHAPES if form.get(kind) is not None)
+    return SHAPES[kind](**form[kind])
+
+
+def _size(size: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = size
+    return float(x), float(y), float(z)
+
+
+SHAPES: Mapping[str, Callable[..., Shape]] = {
+    "cylinder": Cylinder,
+    "sphere": Sphere,
+    "box": lambda size: Box(_size(size)),
+    "ellipsoid": lambda size: Ellipsoid(_size(size)),
+    "superquadric": lambda size, exponent: Superquadric(_size(size), exponent),
+    "bottle": Bottle,
+}
 
 
 @cache

@@ -13,6 +13,7 @@ import numpy as np
 
 from graspdsl.report.statistics import bandwidth, modes, wilson
 from graspdsl.spec.loading import load_spec_text
+from graspdsl.spec.models import Spec
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
@@ -25,7 +26,10 @@ def summary(folder: RunFolder) -> dict[str, Any]:
     trial number; shares carry 95 % Wilson intervals. Raises DiagnosticError when the run cannot be read.
     """
     records, manifest = folder.records(), folder.manifest
-    converged = sum(record.outcome is Outcome.CONVERGED for record in records)
+    spec = _spec(folder)
+    probing = spec.control.displacement == "probing" and spec.scene.world != "floating"
+    good = [record for record in records if record.outcome is Outcome.CONVERGED]
+    converged = len(good)
     to_converge = [record.ticks_to_converge for record in records if record.ticks_to_converge is not None]
     return {
         "name": manifest.name,
@@ -36,7 +40,7 @@ def summary(folder: RunFolder) -> dict[str, Any]:
         "converged": {
             "share": _share(converged, len(records)),
             "interval": wilson(converged, len(records)),
-            "means": _end(folder),
+            "means": spec.program[-1].until.model_dump(mode="json"),
         },
         "residuals": {
             "force": {
@@ -67,6 +71,9 @@ def summary(folder: RunFolder) -> dict[str, Any]:
             "point_error_p95": _median(record.point_error[1] for record in records),
             "normal_error_p95": _median(record.normal_error[1] for record in records),
         },
+        "samples": {"median": _median(float(record.samples) for record in good)},
+        "probes": {"total": sum(record.ticks for record in records) if probing else 0},
+        "trial_s": {"median": _median(record.world_s for record in good)},
         "priorities": {
             "largest_leak": _largest(record.largest_leak for record in records),
             "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
@@ -91,11 +98,10 @@ def repeating(folder: RunFolder) -> str:
     return shlex.join(words)
 
 
-def _end(folder: RunFolder) -> dict[str, Any]:
-    """What converged means: the conditions that end the last phase."""
+def _spec(folder: RunFolder) -> Spec:
+    """The spec of a run as it was run, overrides applied."""
     manifest = folder.manifest
-    spec = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec
-    return spec.program[-1].until.model_dump(mode="json")
+    return load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec
 
 
 def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:

@@ -19,13 +19,17 @@ class Until(Model):
     moment_residual: Metres | None = Field(
         default=None, gt=0.0, description="the norm of the net moment of unit forces (m) is below this"
     )
+    force_error: Annotated[Number, Unit("N")] | None = Field(
+        default=None, gt=0.0, description="every contact force is within this (N) of its reference"
+    )
     hold: Seconds = Field(default=0.2, ge=0.0, le=600.0, description="how long the conditions must hold (s)")
 
     @model_validator(mode="after")
     def _some_condition(self) -> Until:
-        if self.contact is None and self.force_residual is None and self.moment_residual is None:
+        conditions = (self.contact, self.force_residual, self.moment_residual, self.force_error)
+        if all(condition is None for condition in conditions):
             hint = "for example {contact: all}, or {force_residual: 0.1, moment_residual: 0.005}"
-            raise fault("missing-key", "'until' needs contact, force_residual or moment_residual", hint)
+            raise fault("missing-key", "'until' needs contact, force_residual, moment_residual or force_error", hint)
         return self
 
 
@@ -34,19 +38,40 @@ class Phase(Model):
 
     run: str = Field(min_length=1, description="the controller: a formula", examples=["π_s|Γ Γ (π_gx|Γ Γ)"])
     until: Until = Field(description="when the phase has reached its end", examples=[{"contact": "all"}])
+    hysteresis: Number | None = Field(
+        default=None,
+        ge=1.0,
+        le=1000.0,
+        description="for 'a then b': go back to a when its residual exceeds its bound by this factor (1); else never",
+    )
     limit: Seconds = Field(default=30.0, gt=0.0, le=600.0, description="time limit of the phase (s), up to 600")
 
 
 class Control(Model):
     """How gradients become motion. A tick is one step of the control loop."""
 
-    step: Metres = Field(
-        default=0.0005, gt=0.0, le=0.1, description="displacement (m) a tick for a unit gradient of the force residual"
+    displacement: Literal["sliding", "probing"] = Field(
+        default="sliding",
+        description="how contacts get to another place; sliding: over the surface, a gradient step a tick; probing: "
+        "lifted, moved and put down again, a gradient step a probe (Sec. 4.1.2)",
+    )
+    step: Metres | None = Field(
+        default=None,
+        gt=0.0,
+        le=0.1,
+        description="displacement (m) a tick or probe for a unit net force; by default a hundredth of the curvature "
+        "radius sliding, and half of it over Σw², the weights of the contacts, for probes and floating contacts",
     )
     moment_gain: Number = Field(
         default=1.0, ge=0.0, le=1e6, description="factor (1) on the moment residual's part of the motion"
     )
-    cap: Metres = Field(default=0.00075, gt=0.0, le=0.1, description="largest displacement (m) of a contact a tick")
+    cap: Metres | None = Field(
+        default=None,
+        gt=0.0,
+        le=0.1,
+        description="largest displacement (m) of a contact a tick or probe; by default 0.015 curvature radii sliding, "
+        "0.15 for probes and floating contacts",
+    )
     admittance: Annotated[Number, Unit("m/N")] = Field(
         default=5e-5, ge=0.0, le=0.1, description="displacement for a unit of force error (m/N) a tick"
     )
@@ -62,12 +87,21 @@ class Control(Model):
         default="pseudo-inverse", description="what turns contact motion into joint motion"
     )
     damping: Number = Field(default=0.02, ge=0.0, le=10.0, description="damping (1) of the pseudo-inverse")
+    posture_gain: Number = Field(
+        default=0.05, gt=0.0, le=1.0, description="share (1) of the posture error that is taken back a tick"
+    )
+    surface: Literal["tangent", "spherical"] = Field(
+        default="tangent",
+        description="surface coordinates; tangent: local frames; spherical: the chapter's, Eq. 4.3 to 4.8",
+    )
     virtual: Literal["members", "common"] = Field(
         default="members",
         description="how a virtual contact moves; members: each member by its own share; common: all alike",
     )
-    origin: Literal["centroid", "world"] = Field(
-        default="centroid", description="the point moments are taken about; centroid: the mean of the contacts"
+    origin: Literal["centroid", "object", "world"] = Field(
+        default="centroid",
+        description="the point moments are taken about; centroid: the mean of the contacts; object: the centre of mass "
+        "of an object that is held or floats",
     )
     curvature_radius: Metres = Field(
         default=0.05, gt=0.0, le=100.0, description="radius (m) of the object that the gradients assume"

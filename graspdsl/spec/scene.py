@@ -16,6 +16,9 @@ class Cylinder(Model):
 
     diameter: Size = Field(description="diameter (m), 0.005 to 2", examples=[0.10])
     height: Size = Field(description="height (m), 0.005 to 2", examples=[0.20])
+    edge: Annotated[Metres, Field(gt=0.0, le=1.0)] = Field(
+        default=0.005, description="radius (m) that rounds the edges where contacts float"
+    )
 
 
 class Sphere(Model):
@@ -32,28 +35,75 @@ class Box(Model):
     )
 
 
+class Ellipsoid(Model):
+    """An ellipsoid with axes along those of the world."""
+
+    size: Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")] = Field(
+        description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.15]]
+    )
+
+
+class Superquadric(Model):
+    """|x/a|^p + |y/b|^p + |z/c|^p = 1: between a ball and a box."""
+
+    size: Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")] = Field(
+        description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.16]]
+    )
+    exponent: Number = Field(ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box")
+
+
+class Bottle(Model):
+    """A bottle of revolution: body, shoulder, neck."""
+
+    diameter: Size = Field(description="diameter of the body (m)", examples=[0.08])
+    height: Size = Field(description="height of the whole (m)", examples=[0.22])
+    neck_diameter: Size = Field(description="diameter of the neck (m)", examples=[0.03])
+    body_height: Size = Field(description="height of the body below the shoulder (m)", examples=[0.13])
+    neck_height: Size = Field(description="height of the neck above the shoulder (m)", examples=[0.04])
+    shoulder: Annotated[Metres, Field(gt=0.0)] = Field(description="rounding of the shoulder (m)", examples=[0.015])
+    edge: Annotated[Metres, Field(gt=0.0)] = Field(description="rounding of bottom and top (m)", examples=[0.008])
+
+
+SHAPES = ("cylinder", "sphere", "box", "ellipsoid", "superquadric", "bottle")
+
+
 class InlineObject(Model):
-    """An object described in the spec itself: exactly one shape, its mass, and a name if it should have one."""
+    """An object described in the spec itself: exactly one shape or a catalogue name, and what is special about it."""
 
     name: str | None = Field(default=None, min_length=1, max_length=60, description="what reports call the object")
-    mass: Kilograms = Field(default=0.5, gt=0.0, le=100.0, description="mass (kg), above 0")
+    mass: Kilograms | None = Field(
+        default=None, gt=0.0, le=100.0, description="mass (kg), above 0; by default 0.5, or the catalogue's"
+    )
+    held: bool = Field(default=False, strict=True, description="whether it is fixed to the hand when a trial starts")
+    fixed: bool = Field(default=False, strict=True, description="whether it is fixed to the world")
+    like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
     cylinder: Cylinder | None = Field(default=None, description="an upright cylinder")
     sphere: Sphere | None = Field(default=None, description="a ball")
     box: Box | None = Field(default=None, description="a box")
+    ellipsoid: Ellipsoid | None = Field(default=None, description="an ellipsoid")
+    superquadric: Superquadric | None = Field(default=None, description="a superquadric")
+    bottle: Bottle | None = Field(default=None, description="a bottle of revolution")
 
     @model_validator(mode="after")
     def _one_shape(self) -> InlineObject:
-        shapes = [name for name in ("cylinder", "sphere", "box") if getattr(self, name) is not None]
+        shapes = [name for name in ("like", *SHAPES) if getattr(self, name) is not None]
         if len(shapes) != 1:
             found = " and ".join(shapes) or "none"
             hint = "for example {cylinder: {diameter: 0.10, height: 0.20}, mass: 0.5}"
-            raise fault("wrong-form", f"an object has exactly one shape (cylinder, sphere or box), found {found}", hint)
+            message = f"an object has exactly one shape ({', '.join(SHAPES)}, or like), found {found}"
+            raise fault("wrong-form", message, hint)
+        if self.held and self.fixed:
+            raise fault("wrong-form", "an object is held by the hand or fixed to the world, not both", "keep one")
         return self
 
     @property
-    def shape(self) -> Cylinder | Sphere | Box:
-        """The one shape there is."""
-        return next(shape for shape in (self.cylinder, self.sphere, self.box) if shape is not None)
+    def shape(self) -> tuple[str, dict[str, Any]] | None:
+        """The kind of the one shape there is and its fields; None for one of the catalogue."""
+        for kind in SHAPES:
+            chosen = getattr(self, kind)
+            if chosen is not None:
+                return kind, chosen.model_dump()
+        return None
 
 
 def _object_form(value: Any) -> str | None:
@@ -71,7 +121,10 @@ ObjectChoice = Annotated[
 class Scene(Model):
     """What the controller meets."""
 
-    world: Literal["bullet"] = Field(description="bullet: rigid-body physics", examples=["bullet"])
+    world: Literal["bullet", "floating"] = Field(
+        description="bullet: rigid-body physics; floating: frictionless contacts on a surface, no physics",
+        examples=["bullet"],
+    )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
     mount: Literal["gantry"] = Field(
         default="gantry", description="what carries the hand; gantry: a free wrist (6 axes)"
@@ -82,7 +135,13 @@ class Scene(Model):
     friction: Number = Field(
         default=0.4, ge=0.0, le=5.0, description="friction coefficient between fingertip and object (1), 0 to 5"
     )
-    sensing: Literal["load-cell", "exact"] = Field(
-        default="load-cell",
-        description="what a contact feels through; load-cell: a fingertip load cell; exact: the true contact",
+    sensing: Literal["load-cell", "exact"] | None = Field(
+        default=None,
+        description="what a contact feels through; load-cell: a fingertip load cell; exact: the true contact; by "
+        "default load-cell in bullet, exact in floating",
     )
+
+    @property
+    def held(self) -> bool:
+        """Whether the object is fixed to the hand."""
+        return isinstance(self.object, InlineObject) and self.object.held

@@ -13,7 +13,11 @@ from graspdsl.spec.fields import Count, Model
 class Start(Model):
     """Where the hand stands when a trial starts; every number may be a distribution."""
 
-    approach: Literal["side", "top"] = Field(default="side", description="where the palm faces the object from")
+    approach: Literal["side", "top", "surface"] | None = Field(
+        default=None,
+        description="where the palm faces the object from; surface: contacts drawn evenly over it, for the floating "
+        "world; by default side, and surface in the floating world",
+    )
     roll: Angle = Field(default=0.0, description="rotation (rad) of the hand about the normal of its palm")
     height: Length = Field(default=0.10, description="height (m) of the palm above the table")
     standoff: Gap = Field(default=0.047, description="gap (m) between palm and object")

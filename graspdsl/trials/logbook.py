@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,9 +19,10 @@ LEAK_WORTH_COUNTING = 1e-6
 
 @dataclass(slots=True)
 class Logbook:
-    """The trajectory of one trial and its running numbers."""
+    """The trajectory of one trial and its running numbers. ``levels``: the most leaks that a tick has to tell of."""
 
     origin: Array
+    levels: int = 0
     rows: dict[str, list[Float32Array]] = field(default_factory=dict)
     measures: list[GraspMeasure] = field(default_factory=list)
     first_touch: int | None = None
@@ -58,7 +60,8 @@ class Logbook:
             "orientation": now.orientation,
             "sensed_force_residual": tick.force_residual,
             "sensed_moment_residual": tick.moment_residual,
-            "leak": leak,
+            "leaks": _padded(tick.leaks, self.levels),
+            "null_space_ranks": _padded(tick.ranks, self.levels),
             "joints": observation.joints,
             "touching": observation.touching,
             "sensed_points": observation.points,
@@ -85,6 +88,16 @@ class Logbook:
         return self.measures[-1] if self.measures else NOTHING
 
     @property
+    def samples(self) -> int:
+        """Tactile readings that the controller used from the first touch of all contacts on."""
+        return 0 if self.first_touch is None else len(self.measures) - self.first_touch
+
+    @property
+    def world_s(self) -> float:
+        """Time [s] of the world from the start to the last tick."""
+        return float(self.rows["time"][-1]) if self.rows else 0.0
+
+    @property
     def ticks(self) -> int:
         """Ticks from the first touch of all contacts to the end."""
         return 0 if self.first_touch is None else len(self.measures) - 1 - self.first_touch
@@ -107,6 +120,11 @@ class Logbook:
     def trajectory(self) -> dict[str, Float32Array]:
         """The rows as arrays, one row a tick."""
         return {name: np.stack(rows) for name, rows in self.rows.items()}
+
+
+def _padded(values: Sequence[float], length: int) -> list[float]:
+    """The values and then NaN, so that the rows of all phases are alike."""
+    return [*values, *[math.nan] * (length - len(values))]
 
 
 NOTHING = GraspMeasure(math.nan, math.nan, math.nan)

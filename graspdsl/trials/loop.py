@@ -6,29 +6,24 @@ import hashlib
 import json
 import time
 from importlib import metadata
-from typing import Protocol
 
 import numpy as np
 
-from graspdsl.basis.spaces import TaskSpace
-from graspdsl.compiler.graph import ControllerGraph, controllers_in
-from graspdsl.compiler.pipeline import Pipeline, Tick
 from graspdsl.compiler.program import CheckedPhase, Program
 from graspdsl.objects.shapes import Body
-from graspdsl.spec.program import Phase, Until
+from graspdsl.spec.program import Phase
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors
 from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
 from graspdsl.trials.starts import draws, generator
-from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, Witness, World, WorldCrashError
+from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, WorldCrashError
 
 MOST_REDRAWS = 500
 AT_LIMIT = 1e-3  # rad or m
-
-
-class WitnessedWorld(World, Witness, Protocol):
-    """A world whose truth can be asked."""
+SECONDS_STALLED = 6.0  # without progress of a residual, sliding or floating
+PROBES_STALLED = 15
 
 
 def versions() -> dict[str, str]:
@@ -57,7 +52,8 @@ class TrialLoop:
         start, redraws, log = None, 0, Logbook(np.zeros(3))
         try:
             start, redraws, observation = self._begin(random)
-            log = Logbook(self._world.truth().object_position)
+            levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
+            log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
         except WorldCrashError as error:
             verdict = Verdict(Outcome.CRASHED, str(error))
@@ -87,14 +83,16 @@ class TrialLoop:
             leaking_ticks=log.leaking_ticks,
             point_error=log.point_error(),
             normal_error=log.normal_error(),
-            world_s=len(log.measures) / self._world.info.rate,
+            samples=log.samples,
+            world_s=log.world_s,
             wall_s=time.perf_counter() - began,
         )
         return Trial(record, log.trajectory())
 
     def _begin(self, random: np.random.Generator) -> tuple[Start, int, Observation]:
         surface = self._program.robot.hand.palm_surface
-        starts = draws(self._program.spec.trials.start, self._body, surface, random)
+        floats = self._program.world.floats
+        starts = draws(self._program.spec.trials.start, self._body, surface, random, floats=floats)
         reason = ""
         for redraws, start in zip(range(MOST_REDRAWS), starts, strict=False):
             try:
@@ -107,16 +105,40 @@ class TrialLoop:
         first = observation
         for index, phase in enumerate(self._program.phases):
             settings = self._program.spec.program[index]
-            ticks_left = round(settings.limit * self._world.info.rate)
-            for stage, pipeline in zip(phase.stages, self._pipelines[index], strict=True):
-                until = settings.until if stage is phase.stages[-1] else _until_of(stage, settings.until)
-                run = _Stage(self._program, self._world, phase, until, index, log)
-                observation, ticks_left, verdict = run.run(pipeline, observation, ticks_left)
-                if verdict is not None and verdict.outcome is Outcome.TIMEOUT:
-                    return self._out_of_time(first, observation, phase, settings)
-                if verdict is not None:
-                    return verdict
-        return Verdict(Outcome.CONVERGED)
+            end = self._phase(index, observation, log)
+            if end.verdict is not None and end.verdict.outcome is Outcome.TIMEOUT:
+                return self._out_of_time(first, end.observation, phase, settings)
+            if end.verdict is not None:
+                return end.verdict
+            observation = end.observation
+        return self._monitors(self._program.phases[-1]).judge(log.shift)
+
+    def _phase(self, index: int, observation: Observation, log: Logbook) -> StageEnd:
+        """The stages of a phase, one to its end and then the next; with hysteresis, back again where one is undone."""
+        phase, settings = self._program.phases[index], self._program.spec.program[index]
+        conditions = [until_of(stage, settings.until) for stage in phase.stages[:-1]]
+        kept = [loosened(condition, settings.hysteresis) for condition in conditions] if settings.hysteresis else []
+        deadline, stage = observation.time + settings.limit, 0
+        while True:
+            until = settings.until if stage == len(conditions) else conditions[stage]
+            monitors = self._monitors(phase)
+            run = Stage(self._world, phase, index, until, deadline, monitors, log, kept[:stage])
+            end = run.run(self._pipelines[index][stage], observation)
+            if end.verdict is not None or (end.back_to is None and stage == len(conditions)):
+                return end
+            stage = stage + 1 if end.back_to is None else end.back_to
+            observation = end.observation
+
+    def _monitors(self, phase: CheckedPhase) -> Monitors:
+        program = self._program
+        return Monitors(
+            phase.grasp,
+            self._world.info.contacts,
+            program.robot.hand.palm,
+            program.spec.control.curvature_radius,
+            samples=PROBES_STALLED if program.probes else round(SECONDS_STALLED * self._world.info.rate),
+            held=program.spec.scene.held,
+        )
 
     def _out_of_time(
         self, first: Observation, observation: Observation, phase: CheckedPhase, settings: Phase
@@ -132,64 +154,3 @@ class TrialLoop:
         if joints:
             return Verdict(Outcome.JOINT_LIMIT, f"{', '.join(joints)} at a limit")
         return Verdict(Outcome.TIMEOUT, f"not converged within {settings.limit:g} s")
-
-
-class _Stage:
-    """One controller of a phase, run until its end conditions have held, a monitor speaks or time is up."""
-
-    def __init__(
-        self, program: Program, world: WitnessedWorld, phase: CheckedPhase, until: Until, index: int, log: Logbook
-    ) -> None:
-        self._world, self._phase, self._until, self._index, self._log = world, phase, until, index, log
-        self._monitors = Monitors(
-            phase.grasp,
-            world.info.contacts,
-            program.robot.hand.palm,
-            world.info.rate,
-            program.spec.control.curvature_radius,
-        )
-
-    def run(
-        self, pipeline: Pipeline, observation: Observation, ticks_left: int
-    ) -> tuple[Observation, int, Verdict | None]:
-        """The last observation, the ticks left of the phase's limit, and a verdict if the trial ends here."""
-        held, hold = 0, round(self._until.hold * self._world.info.rate)
-        closing = self._until.contact is not None
-        while True:
-            tick, truth = pipeline.evaluate(observation), self._world.truth()
-            now = self._log.write(self._index, self._phase.grasp, observation, truth, tick)
-            held = held + 1 if self._met(observation, tick) else 0
-            self._log.held_since = len(self._log.measures) - held if held else None
-            if held > hold:
-                return observation, ticks_left, None
-            verdict = self._monitors.watch(observation, truth, self._log.shift)
-            if verdict is None and not closing:
-                verdict = self._monitors.watch_contacts(observation) or self._monitors.watch_progress(now)
-            if verdict is None and ticks_left == 0:
-                verdict = Verdict(Outcome.TIMEOUT)
-            if verdict is not None:
-                return observation, ticks_left, verdict
-            observation = self._world.step(tick.command)
-            ticks_left -= 1
-
-    def _met(self, observation: Observation, tick: Tick) -> bool:
-        """Whether the end conditions hold, as the hand senses them."""
-        until = self._until
-        force, moment = np.linalg.norm(tick.force_residual), np.linalg.norm(tick.moment_residual)
-        touching = bool(observation.touching[list(self._phase.grasp.contacts)].all())
-        return (
-            touching
-            and (until.force_residual is None or bool(force < until.force_residual))
-            and (until.moment_residual is None or bool(moment < until.moment_residual))
-        )
-
-
-def _until_of(stage: ControllerGraph, until: Until) -> Until:
-    """The part of the end conditions that a stage before the last can meet: those on the residuals it lowers."""
-    spaces = {node.potential.space for node in controllers_in(stage)}
-    kept = {
-        "force_residual": until.force_residual if TaskSpace.NET_FORCE in spaces else None,
-        "moment_residual": until.moment_residual if TaskSpace.NET_MOMENT in spaces else None,
-    }
-    conditions = kept if any(kept.values()) else {"contact": "all"}
-    return Until.model_validate({**conditions, "hold": until.hold})

@@ -12,6 +12,8 @@ from graspdsl.basis.algebra import cross
 from graspdsl.basis.resources import ContactSet
 from graspdsl.worlds.protocol import Observation, Truth
 
+DOWN = np.array([0.0, 0.0, -1.0])
+
 
 @dataclass(frozen=True, slots=True)
 class GraspMeasure:
@@ -35,6 +37,8 @@ def true_contacts(observation: Observation, truth: Truth) -> tuple[Array, Array]
 def measure(observation: Observation, truth: Truth, grasp: ContactSet) -> GraspMeasure:
     """The residuals (Eq. 4.1, 4.2 with 4.32) and the orientation (Sec. 4.5.1, 4.5.2) of the present grasp."""
     points, normals = true_contacts(observation, truth)
+    if grasp.has_gravity:
+        points, normals = np.vstack([points, truth.object_position]), np.vstack([normals, DOWN])
     weights = grasp.weights
     centroid = weights @ points / weights.sum()
     force = weights @ normals

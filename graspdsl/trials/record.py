@@ -16,7 +16,9 @@ class TrialRecord:
 
     ``start`` is what was drawn, ``redraws`` how many starts the world could not take up before it. *_start is measured
     at the first tick at which every contact touches, *_end at the last tick. ``ticks`` counts from that first touch to
-    the end, ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence).
+    the end, ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where
+    contacts are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller
+    used: one a tick, or one a probe.
     """
 
     number: int
@@ -36,6 +38,7 @@ class TrialRecord:
     object_lean: float
     ticks: int
     ticks_to_converge: int | None
+    samples: int
     largest_leak: float
     leaking_ticks: int
     point_error: tuple[float, float]

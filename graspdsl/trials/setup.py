@@ -2,36 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from graspdsl.compiler.program import Program
-from graspdsl.objects.shapes import Body, Box, Cylinder, Shape, Sphere, catalogue
+from graspdsl.objects.floating_surface import surface_of
+from graspdsl.objects.shapes import Body, catalogue, shape_from
 from graspdsl.spec import scene as spec
 from graspdsl.trials.loop import TrialLoop
+from graspdsl.worlds.bullet.probing import ProbingWorld
+from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.touch import TouchSettings
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.floating import FloatingWorld
+
+DEFAULT_MASS = 0.5  # kg
+GRAVITY = 9.81  # m/s²
 
 
 def body_of(choice: str | spec.InlineObject) -> Body:
     """The object that a scene names or describes."""
     if isinstance(choice, str):
         return catalogue()[choice]
-    return Body(choice.name or "object", _shape(choice.shape), choice.mass)
+    if choice.shape is None:
+        known = catalogue()[choice.like or ""]
+        return replace(known, name=choice.name or known.name, mass=choice.mass or known.mass)
+    kind, fields = choice.shape
+    return Body(choice.name or kind, shape_from({kind: fields}), choice.mass or DEFAULT_MASS)
 
 
-def _shape(shape: spec.Cylinder | spec.Sphere | spec.Box) -> Shape:
-    match shape:
-        case spec.Cylinder():
-            return Cylinder(shape.diameter, shape.height)
-        case spec.Sphere():
-            return Sphere(shape.diameter)
-        case spec.Box():
-            return Box(shape.size)
-
-
-def world_of(program: Program) -> BulletWorld:
+def world_of(program: Program) -> BulletWorld | FloatingWorld:
     """The world of a program's scene."""
     scene = program.spec.scene
-    touch = TouchSettings(sensing=scene.sensing)
-    return BulletWorld(BulletSettings(program.robot, body_of(scene.object), scene.friction, touch))
+    body = body_of(scene.object)
+    if program.world.floats:
+        return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass)
+    touch = TouchSettings(sensing=scene.sensing or "load-cell")
+    fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
+    anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
+    settings = BulletSettings(program.robot, body, scene.friction, touch, anchor, GRAVITY)
+    return ProbingWorld(settings) if program.probes else BulletWorld(settings)
 
 
 def trial_loop(program: Program) -> TrialLoop:

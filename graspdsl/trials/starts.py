@@ -24,18 +24,24 @@ def generator(seed: int, trial: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence([seed, trial]))
 
 
-def draws(start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator) -> Iterator[Start]:
+def draws(
+    start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator, *, floats: bool = False
+) -> Iterator[Start]:
     """Start poses of the hand's mounting face before a standing object at the origin, one after the other.
 
     A world takes the first that it can take up. Since experiments ask how orientations fare, the next draw keeps the
     orientation of the hand and draws its placement anew; after PLACEMENTS_EACH of them the orientation is drawn anew
-    too. palm_surface [m] is the palm's distance ahead of the mounting face.
+    too. Floating contacts have no hand: the world draws them itself. palm_surface [m] is the palm's distance ahead of
+    the mounting face.
     """
+    if floats:
+        while True:
+            yield Start(np.zeros(3), np.eye(3), {})
     while True:
         oriented = {name: _value(getattr(start, name), random) for name in ORIENTATION}
         for _ in range(PLACEMENTS_EACH):
             placed = {name: _value(getattr(start, name), random) for name in PLACEMENT}
-            yield pose(start.approach, {**oriented, **placed}, body, palm_surface)
+            yield pose(start.approach or "side", {**oriented, **placed}, body, palm_surface)
 
 
 def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: float) -> Start:

@@ -10,12 +10,21 @@ from graspdsl.basis.spaces import GradientSpace
 
 @dataclass(frozen=True, slots=True)
 class WorldKind:
-    """A kind of world: its tick rate [Hz] and the gradient spaces it can carry out."""
+    """A kind of world: its tick rate [Hz], the gradient spaces it can carry out, sliding and probing.
+
+    ``floats``: its contacts have no hand, no load cells and no forces.
+    """
 
     name: str
     about: str
     rate: float
-    spaces: frozenset[GradientSpace]
+    sliding: frozenset[GradientSpace]
+    probing: frozenset[GradientSpace]
+    floats: bool = False
+
+    def spaces(self, displacement: str) -> frozenset[GradientSpace]:
+        """The gradient spaces of a way to displace contacts, ``sliding`` or ``probing``."""
+        return self.probing if displacement == "probing" else self.sliding
 
 
 WORLDS: Mapping[str, WorldKind] = {
@@ -23,6 +32,15 @@ WORLDS: Mapping[str, WorldKind] = {
         "bullet",
         "rigid bodies under gravity, soft fingertips on load cells (PyBullet)",
         50.0,
-        frozenset({GradientSpace.JOINTS}),
+        sliding=frozenset({GradientSpace.JOINTS}),
+        probing=frozenset({GradientSpace.JOINTS, GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
+    ),
+    "floating": WorldKind(
+        "floating",
+        "frictionless contacts on a known surface, no hand and no physics",
+        50.0,
+        sliding=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
+        probing=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
+        floats=True,
     ),
 }

@@ -42,7 +42,9 @@ class Observation:
     points: (k, 3) contact points [m]; a contact that does not touch reports its fingertip's centre.
     normals: (k, 3) unit normals into the object; the last sensed one, or where the finger closes to, when it does
     not touch. forces: (k, 3) forces on the object [N], zero when it does not touch. touching: (k,).
-    joints: (n,) joint positions [m or rad]. jacobian: (k, 3, n) of the contact points.
+    joints: (n,) joint positions [m or rad]. jacobian: (k, 3, n) of the contact points; angular_jacobian: (k, 3, n) of
+    the fingertips' rotations; orientations: (k, 3) of the fingertips, exponential coordinates [rad].
+    centre_of_mass: (3,) of the object [m] and weight: (3,) [N], known for an object that is held; else NaN.
     """
 
     time: float
@@ -52,11 +54,15 @@ class Observation:
     touching: Flags
     joints: Array
     jacobian: Array
+    angular_jacobian: Array
+    orientations: Array
+    centre_of_mass: Array
+    weight: Array
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One tick's displacement in a gradient space, "q": (n,) joint displacements [m or rad]."""
+    """One tick's displacement: "q", (n,) of the joints [m or rad], or "x", (k, 3) of the contacts [m]."""
 
     space: str
     displacement: Array

@@ -6,6 +6,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 
+from .coordinates import TANGENT, Coordinates
+
 JOINTS = 5
 
 
@@ -21,13 +23,24 @@ def unit_vectors(random: np.random.Generator, *shape: int) -> Array:
     return unit
 
 
-def inputs(random: np.random.Generator, contacts: int, *batch: int) -> dict[str, Array]:
+def inputs(
+    random: np.random.Generator, contacts: int, *batch: int, coordinates: Coordinates = TANGENT
+) -> dict[str, Array]:
     """Everything that a sensor or effector transform may read, for contacts on a hand with JOINTS joints."""
-    return {
+    drawn = {
         "points": random.normal(size=(*batch, contacts, 3)),
         "normals": unit_vectors(random, *batch, contacts),
         "forces": random.normal(size=(*batch, contacts, 3)),
         "jacobian": random.normal(size=(*batch, contacts, 3, JOINTS)),
+        "angular_jacobian": random.normal(size=(*batch, contacts, 3, JOINTS)),
+        "orientations": random.normal(size=(*batch, contacts, 3)),
+        "joints": random.normal(size=(*batch, JOINTS)),
+        "joint_weights": random.uniform(0.5, 10.0, size=JOINTS),
         "origin": random.normal(size=(*batch, 3)),
         "curvature_radius": np.array(0.37),
+    }
+    return {
+        **drawn,
+        "frames": coordinates.frames(drawn["normals"]),
+        "stretch": coordinates.stretch(drawn["normals"]),
     }

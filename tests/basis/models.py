@@ -10,66 +10,122 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import tangent_frames
+
+from .coordinates import TANGENT, Coordinates
 
 Inputs = Mapping[str, Array]
+Motion = Callable[[Inputs, Array, Coordinates], Inputs]
+
+
+@dataclass(frozen=True)
+class Part:
+    """Rows of a task space that rest on one motion: the sensor of theirs, and what its reading is divided by."""
+
+    sensor: str
+    moved: Motion
+    unit: str | None = None
 
 
 @dataclass(frozen=True)
 class Model:
-    """The sensor an effector is the derivative of, and what the sensor reads once the displacement is made."""
+    """The sensor an effector is the derivative of, and how each part of its rows comes to be sensed."""
 
     sensor: str
-    moved: Callable[[Inputs, Array], Inputs]
+    parts: tuple[Part, ...]
 
 
-def _over_the_surface(inputs: Inputs, coordinates: Array) -> Array:
-    """ψ (2k,), in each contact's tangent frame, as directions in space (k, 3)."""
-    return np.einsum("kij,kj->ki", tangent_frames(inputs["normals"]), coordinates.reshape(-1, 2))
+def _model(sensor: str, moved: Motion) -> Model:
+    return Model(sensor, (Part(sensor, moved),))
 
 
-def _along_the_tangent(inputs: Inputs, displacement: Array) -> Array:
-    """The parts (k, 3) of contact displacements (3k,) along the surface."""
-    steps, normals = displacement.reshape(-1, 3), inputs["normals"]
-    return steps - np.sum(steps * normals, axis=-1, keepdims=True) * normals
+def _frames(inputs: Inputs, coordinates: Coordinates) -> Array:
+    return coordinates.frames(inputs["normals"])
 
 
-def _round_a_sphere(inputs: Inputs, arc: Array) -> Inputs:
-    """Contacts moved by an arc (k, 3) over a unit sphere: inward normals turn against the motion."""
-    turned = inputs["normals"] - arc
-    return {**inputs, "normals": turned / np.linalg.norm(turned, axis=-1, keepdims=True)}
+def _round_a_sphere(inputs: Inputs, psi: Array, coordinates: Coordinates) -> Inputs:
+    """Contacts moved by ψ (2k,) over a sphere: inward normals turn against the motion."""
+    return {**inputs, "normals": coordinates.turned(inputs["normals"], psi.reshape(-1, 2))}
 
 
-def _on_a_plane(inputs: Inputs, step: Array) -> Inputs:
-    """Contacts moved by (k, 3) on their tangent planes: normals stay as they are."""
-    return {**inputs, "points": inputs["points"] + step}
+def _on_a_plane(inputs: Inputs, psi: Array, coordinates: Coordinates) -> Inputs:
+    """Contacts moved by r ψ (2k,) on their tangent planes: normals stay as they are."""
+    step = np.einsum("kij,kj->ki", _frames(inputs, coordinates), psi.reshape(-1, 2))
+    return {**inputs, "points": inputs["points"] + inputs["curvature_radius"] * step}
 
 
-def _joints_move(inputs: Inputs, angles: Array) -> Inputs:
+def _displaced(motion: Motion) -> Motion:
+    """The motion of a displacement x (3k,) of the contacts: ψ is its part along the surface, over r (Eq. 4.27)."""
+
+    def moved(inputs: Inputs, x: Array, coordinates: Coordinates) -> Inputs:
+        along = np.einsum("kij,ki->kj", _frames(inputs, coordinates), x.reshape(-1, 3))
+        return motion(inputs, along.ravel() / inputs["curvature_radius"], coordinates)
+
+    return moved
+
+
+def _rotated(motion: Motion) -> Motion:
+    """The motion of the ψ (2k,) that turns the normals of a sphere as a rotation r (3k,) of the contacts does.
+
+    A normal that turns by δr moves by δr × n; on the sphere it moves against ψ: δψ = Tᵀ (n × δr).
+    """
+
+    def moved(inputs: Inputs, r: Array, coordinates: Coordinates) -> Inputs:
+        against = np.cross(inputs["normals"], r.reshape(-1, 3))
+        psi = np.einsum("kij,ki->kj", _frames(inputs, coordinates), against)
+        return motion(inputs, psi.ravel(), coordinates)
+
+    return moved
+
+
+def _turned(inputs: Inputs, r: Array, coordinates: Coordinates) -> Inputs:
+    """Contacts turn by exp([δr]×), and their normals with them; by the angles of the normals in the chapter's form."""
+    if coordinates is not TANGENT:
+        return _rotated(_round_a_sphere)(inputs, r, coordinates)
+    return {**inputs, "normals": Rotation.from_rotvec(r.reshape(-1, 3)).apply(inputs["normals"])}
+
+
+def _joints_move(inputs: Inputs, angles: Array, _: Coordinates) -> Inputs:
     """Contact points follow the joints through their Jacobians."""
     return {**inputs, "points": inputs["points"] + inputs["jacobian"] @ angles}
 
 
-def _joints_press(inputs: Inputs, angles: Array) -> Inputs:
-    """Contacts follow the joints; each answers a metre along its normal with a newton along it."""
+def _joints_turn(inputs: Inputs, angles: Array, _: Coordinates) -> Inputs:
+    """Contacts turn about fixed axes through their angular Jacobians; what is read is how far from where they were."""
+    before = Rotation.from_rotvec(inputs["orientations"])
+    after = Rotation.from_rotvec(inputs["angular_jacobian"] @ angles) * before
+    return {**inputs, "orientations": (after * before.inv()).as_rotvec()}
+
+
+def _joints_press(inputs: Inputs, angles: Array, _: Coordinates) -> Inputs:
+    """Contacts follow the joints; each answers a metre along its normal with a newton along it, at a fixed lever."""
     motion = inputs["jacobian"] @ angles
     depth = np.sum(motion * inputs["normals"], axis=-1, keepdims=True)
     return {**inputs, "forces": inputs["forces"] + depth * inputs["normals"]}
 
 
+def _joints_alone(inputs: Inputs, angles: Array, _: Coordinates) -> Inputs:
+    """The joints move, in scaled coordinates."""
+    return {**inputs, "joints": inputs["joints"] + inputs["joint_weights"] * angles}
+
+
 MODELS: Mapping[str, Model] = {
-    "τ_fr": Model("σ_fr", lambda inputs, psi: _round_a_sphere(inputs, _over_the_surface(inputs, psi))),
-    "τ_mr": Model(
-        "σ_mr",
-        lambda inputs, psi: _on_a_plane(inputs, inputs["curvature_radius"] * _over_the_surface(inputs, psi)),
+    "τ_fr": _model("σ_fr", _round_a_sphere),
+    "τ_mr": _model("σ_mr", _on_a_plane),
+    "τ_w": Model("σ_w", (Part("σ_fr", _round_a_sphere), Part("σ_mr", _on_a_plane, "curvature_radius"))),
+    "τ_frx": _model("σ_fr", _displaced(_round_a_sphere)),
+    "τ_mrx": _model("σ_mr", _displaced(_on_a_plane)),
+    "τ_wx": Model(
+        "σ_w",
+        (Part("σ_fr", _displaced(_round_a_sphere)), Part("σ_mr", _displaced(_on_a_plane), "curvature_radius")),
     ),
-    "τ_frx": Model(
-        "σ_fr",
-        lambda inputs, x: _round_a_sphere(inputs, _along_the_tangent(inputs, x) / inputs["curvature_radius"]),
-    ),
-    "τ_mrx": Model("σ_mr", lambda inputs, x: _on_a_plane(inputs, _along_the_tangent(inputs, x))),
-    "τ_p": Model("σ_p", _joints_move),
-    "τ_f": Model("σ_f", _joints_press),
+    "τ_frr": _model("σ_fr", _turned),
+    "τ_mrr": _model("σ_mr", _rotated(_on_a_plane)),
+    "τ_p": _model("σ_p", _joints_move),
+    "τ_r": _model("σ_r", _joints_turn),
+    "τ_f": _model("σ_f", _joints_press),
+    "τ_m": _model("σ_m", _joints_press),
+    "τ_k": _model("σ_k", _joints_alone),
 }

@@ -14,6 +14,8 @@ from graspdsl.basis.algebra import (
     in_rows,
     null_space_projector,
     skew,
+    spherical_frames,
+    spherical_stretch,
     tangent_frames,
     tangent_projectors,
 )
@@ -55,6 +57,23 @@ def test_tangent_frames_are_right_handed_and_orthonormal() -> None:
         np.swapaxes(frames, -1, -2) @ frames, np.broadcast_to(np.eye(3), frames.shape), atol=1e-9
     )
     np.testing.assert_allclose(np.linalg.det(frames), 1.0, atol=1e-9)
+
+
+def test_frames_span_the_tangent_plane() -> None:
+    normals = _normals()
+    for frames in (tangent_frames(normals), spherical_frames(normals)):
+        np.testing.assert_allclose(frames @ np.swapaxes(frames, -1, -2), tangent_projectors(normals), atol=1e-9)
+
+
+def test_spherical_frames_point_east_and_north() -> None:
+    """East is level, north climbs, and the two turn with the outward normal as a right-handed frame."""
+    normals = _normals()
+    frames = spherical_frames(normals)
+    np.testing.assert_array_equal(frames[..., 2, 0], 0.0)
+    assert np.all(frames[..., 2, 1] >= 0.0)
+    np.testing.assert_allclose(cross(frames[..., 0], frames[..., 1]), -normals, atol=1e-9)
+    np.testing.assert_allclose(spherical_stretch(normals)[..., 0], frames[..., 2, 1], atol=1e-15)
+    np.testing.assert_array_equal(spherical_stretch(normals)[..., 1], 1.0)
 
 
 def test_blocks_stand_side_by_side_or_on_top_of_each_other() -> None:

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import cross, tangent_frames
+from graspdsl.basis.algebra import cross, spherical_frames, spherical_stretch, tangent_frames
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
 
+from .coordinates import SPHERICAL
 from .differences import central_differences
 from .drawing import generator, inputs
 from .resource_sets import CONTACTS, NESTED, PLAIN, VIRTUAL
@@ -91,10 +92,15 @@ def test_4_6_is_the_moment_of_a_point_on_the_tangent_plane() -> None:
         np.testing.assert_allclose(moment(angles, steps), cross(directions(angles) @ steps, force(angles)), atol=1e-14)
 
 
+def frames_at(angles: Array) -> tuple[Array, Array]:
+    """Tangent frames and no stretch, for one contact."""
+    return tangent_frames(force(angles)[None]), np.ones((1, 2))
+
+
 def test_force_effector_is_4_4_away_from_the_poles() -> None:
     """−P/r along east and north is 4.4 over r, but for the cos φ by which a degree of θ is shorter up there."""
     for angles in places(steepest=np.radians(80)):
-        effector = EFFECTORS["τ_frx"].evaluate(ONE, force(angles)[None], RADIUS)
+        effector = EFFECTORS["τ_frx"].evaluate(ONE, *frames_at(angles), RADIUS)
         lengths = np.array([np.cos(angles[1]), 1.0])
         np.testing.assert_allclose(
             effector @ directions(angles), force_by_angles(angles) / lengths / RADIUS, atol=1e-12
@@ -103,11 +109,59 @@ def test_force_effector_is_4_4_away_from_the_poles() -> None:
 
 def test_moment_effector_is_4_7() -> None:
     for angles in places(steepest=np.radians(80)):
-        effector = EFFECTORS["τ_mrx"].evaluate(ONE, force(angles)[None])
+        frames, _ = frames_at(angles)
+        effector = EFFECTORS["τ_mrx"].evaluate(ONE, force(angles)[None], frames, RADIUS)
         np.testing.assert_allclose(effector @ directions(angles), moment_by_steps(angles), atol=1e-12)
 
 
-@pytest.mark.parametrize(("by_surface", "by_displacement"), [("τ_fr", "τ_frx"), ("τ_mr", "τ_mrx")])
+def test_spherical_effectors_are_the_chapters_entry_by_entry() -> None:
+    """4.12 of 4.4; 4.16 of 4.7 with r_θ = rθ; 4.28 and 4.29 by the rows of 4.27 over r; up to the very poles."""
+    for angles in places():
+        normal = force(angles)[None]
+        given = {
+            "normals": normal,
+            "frames": spherical_frames(normal),
+            "stretch": spherical_stretch(normal),
+            "curvature_radius": RADIUS,
+        }
+        by_x = directions(angles).T / RADIUS
+        expected = {
+            "τ_fr": force_by_angles(angles),
+            "τ_mr": RADIUS * moment_by_steps(angles),
+            "τ_w": np.vstack([force_by_angles(angles), moment_by_steps(angles)]),
+            "τ_frx": force_by_angles(angles) @ by_x,
+            "τ_mrx": RADIUS * moment_by_steps(angles) @ by_x,
+            "τ_wx": np.vstack([force_by_angles(angles), moment_by_steps(angles)]) @ by_x,
+        }
+        for symbol, entries in expected.items():
+            effector = EFFECTORS[symbol]
+            found = effector.evaluate(ONE, *[given[name] for name in effector.reads])
+            np.testing.assert_allclose(found, entries, atol=1e-12)
+
+
+def test_spherical_effector_of_several_contacts_has_one_block_each() -> None:
+    """4.12 over a set is 4.4 of each contact side by side."""
+    angles = places()[:CONTACTS]
+    normals = np.stack([force(place) for place in angles])
+    found = EFFECTORS["τ_fr"].evaluate(VIRTUAL.weights, spherical_frames(normals), spherical_stretch(normals))
+    expected = np.hstack(
+        [weight * force_by_angles(place) for weight, place in zip(VIRTUAL.weights, angles, strict=True)]
+    )
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_spherical_and_tangent_effectors_differ_off_the_equator() -> None:
+    """4.4 through 4.27 shortens what lies along θ by cos φ; at the equator the two are one."""
+    for latitude, same in ((0.0, True), (np.pi / 3, False)):
+        normal = force(np.array([0.7, latitude]))[None]
+        forms = [
+            EFFECTORS["τ_frx"].evaluate(ONE, spherical_frames(normal), spherical_stretch(normal), RADIUS),
+            EFFECTORS["τ_frx"].evaluate(ONE, tangent_frames(normal), np.ones((1, 2)), RADIUS),
+        ]
+        assert np.allclose(*forms, atol=1e-12) == same
+
+
+@pytest.mark.parametrize(("by_surface", "by_displacement"), [("τ_fr", "τ_frx"), ("τ_mr", "τ_mrx"), ("τ_w", "τ_wx")])
 def test_4_28_and_4_29_are_4_12_and_4_16_through_the_tangent_frame(by_surface: str, by_displacement: str) -> None:
     """With ψ in radians on a sphere of radius r, a displacement is r ψ."""
     given = inputs(generator(), CONTACTS)
@@ -121,10 +175,28 @@ def test_4_28_and_4_29_are_4_12_and_4_16_through_the_tangent_frame(by_surface: s
         np.testing.assert_allclose(in_psi, in_x @ step, atol=1e-12)
 
 
-def _slopes(weights: Array, given: dict[str, Array]) -> tuple[Array, Array]:
-    """The gradients ∇φ_fr and ∇φ_mr by contact displacements, (3k,) each."""
+@pytest.mark.parametrize(("by_displacement", "by_rotation"), [("τ_frx", "τ_frr"), ("τ_mrx", "τ_mrr")])
+def test_4_38_and_4_39_are_4_28_and_4_29_of_the_displacement_that_turns_the_normal(
+    by_displacement: str, by_rotation: str
+) -> None:
+    """A normal turns by δr × n as the contact moves by r n × δr on the sphere; turning about it does nothing."""
+    given = inputs(generator(), CONTACTS)
+    by_x, by_r = (
+        effector.evaluate(NESTED.weights, *[given[name] for name in effector.reads])
+        for effector in (EFFECTORS[by_displacement], EFFECTORS[by_rotation])
+    )
+    for contact, normal in enumerate(given["normals"]):
+        columns = slice(3 * contact, 3 * contact + 3)
+        moved = given["curvature_radius"] * np.cross(normal, np.eye(3)).T
+        np.testing.assert_allclose(by_r[:, columns], by_x[:, columns] @ moved, atol=1e-12)
+        np.testing.assert_allclose(by_r[:, columns] @ normal, 0.0, atol=1e-12)
+
+
+def _slopes(weights: Array, given: dict[str, Array], space: str = "x") -> tuple[Array, Array]:
+    """The gradients ∇φ_fr and ∇φ_mr by contact displacements, (3k,) each; or in ψ or r."""
     found = []
-    for potential, sensor, effector in (("φ_fr", "σ_fr", "τ_frx"), ("φ_mr", "σ_mr", "τ_mrx")):
+    ending = {"ψ": "", "x": "x", "r": "r"}[space]
+    for potential, sensor, effector in (("φ_fr", "σ_fr", f"τ_fr{ending}"), ("φ_mr", "σ_mr", f"τ_mr{ending}")):
         sensed = SENSORS[sensor].evaluate(weights, *[given[name] for name in SENSORS[sensor].reads])
         task = EFFECTORS[effector].evaluate(weights, *[given[name] for name in EFFECTORS[effector].reads])
         found.append(task.T @ POTENTIALS[potential].gradient(-sensed))
@@ -147,10 +219,31 @@ def test_slope_is_written_out_per_contact() -> None:
     np.testing.assert_allclose(moment_slope, -2 * weights[:, None] * cross(normals, twist[None]), atol=1e-12)
 
 
-def test_force_and_moment_slopes_are_normal_with_equal_weights() -> None:
+@pytest.mark.parametrize("space", ["ψ", "x", "r"])
+def test_force_and_moment_slopes_are_normal_with_equal_weights(space: str) -> None:
     random = generator()
     for _ in range(200):
-        assert abs(_cosine(*_slopes(PLAIN.weights, inputs(random, CONTACTS)))) < 1e-12
+        assert abs(_cosine(*_slopes(PLAIN.weights, inputs(random, CONTACTS), space))) < 1e-12
+
+
+def test_force_and_moment_slopes_are_not_normal_in_the_chapters_coordinates() -> None:
+    """The cos φ of 4.4 that 4.7 has not."""
+    random = generator()
+    draws = (inputs(random, CONTACTS, coordinates=SPHERICAL) for _ in range(200))
+    assert np.median([abs(_cosine(*_slopes(PLAIN.weights, given))) for given in draws]) > 0.01
+
+
+def test_wrench_slope_is_the_sum_of_force_and_moment_slopes() -> None:
+    """∇φ_w = ∇φ_fr + ∇φ_mr / r²: one gradient that cannot tell the two apart."""
+    random = generator()
+    for _ in range(20):
+        given = inputs(random, CONTACTS)
+        force_slope, moment_slope = _slopes(VIRTUAL.weights, given)
+        sensor, effector = SENSORS["σ_w"], EFFECTORS["τ_wx"]
+        sensed = sensor.evaluate(VIRTUAL.weights, *[given[name] for name in sensor.reads])
+        task = effector.evaluate(VIRTUAL.weights, *[given[name] for name in effector.reads])
+        expected = force_slope + moment_slope / given["curvature_radius"] ** 2
+        np.testing.assert_allclose(task.T @ POTENTIALS["φ_w"].gradient(-sensed), expected, atol=1e-10)
 
 
 def test_force_and_moment_slopes_are_not_normal_with_a_virtual_contact() -> None:

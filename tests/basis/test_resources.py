@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graspdsl.basis.resources import ContactResource, ContactSet
+from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 
-from .resource_sets import NESTED, PLAIN, SETS, SOME, VIRTUAL
+from .drawing import JOINTS
+from .resource_sets import CONTACTS, JOINT_SETS, NESTED, PLAIN, SETS, SOME, VIRTUAL, WITH_GRAVITY
 
 
-@pytest.mark.parametrize("resources", SETS.values(), ids=SETS)
+@pytest.mark.parametrize("resources", [*SETS.values(), *WITH_GRAVITY.values()], ids=[*SETS, *WITH_GRAVITY])
 def test_each_row_is_a_mean(resources: ContactSet) -> None:
     np.testing.assert_allclose(resources.matrix.sum(axis=1), 1.0)
     np.testing.assert_array_equal(resources.weights, resources.matrix.sum(axis=0))
@@ -38,3 +39,30 @@ def test_sameness_is_that_of_the_contacts() -> None:
     assert VIRTUAL.same_as(again)
     assert not VIRTUAL.same_as(PLAIN)
     assert not NESTED.same_as(VIRTUAL)
+
+
+def test_gravity_has_a_column_behind_the_contacts_but_is_none_of_them() -> None:
+    gravity = WITH_GRAVITY["gravity"]
+    np.testing.assert_array_equal(gravity.matrix, [[0, 1, 0, 0, 0], [0, 0, 0, 0, 1]])
+    assert [resources.has_gravity for resources in WITH_GRAVITY.values()] == [True] * len(WITH_GRAVITY)
+    assert not any(resources.has_gravity for resources in SETS.values())
+    for resources in WITH_GRAVITY.values():
+        assert resources.matrix.shape == (len(resources.members), CONTACTS + 1)
+        assert resources.weights.shape == (CONTACTS + 1,)
+        assert CONTACTS not in resources.contacts
+
+
+def test_joint_set_picks_its_joints_in_its_order() -> None:
+    some = JOINT_SETS["some joints"]
+    np.testing.assert_array_equal(some.matrix @ np.arange(JOINTS), [3, 1])
+    np.testing.assert_array_equal(some.mask, [0, 1, 0, 1, 0])
+    assert [resources.size for resources in JOINT_SETS.values()] == [JOINTS, 2, 1]
+    assert NESTED.size == 6
+
+
+def test_joint_sets_are_the_same_by_their_joints_and_never_contacts() -> None:
+    some = JOINT_SETS["some joints"]
+    assert some.same_as(JointSet("other", (1, 3), JOINTS))
+    assert not some.same_as(JOINT_SETS["one joint"])
+    assert not some.same_as(SOME)
+    assert not SOME.same_as(some)

@@ -3,55 +3,90 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.basis.effectors import EFFECTORS, Effector
+from graspdsl.basis.effector import Effector
+from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS, Potential
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import DISPLACES, GradientSpace, TaskSpace
 
+from .coordinates import COORDINATES, Coordinates
 from .differences import central_differences
 from .drawing import JOINTS, generator, inputs
 from .models import MODELS
-from .resource_sets import CONTACTS, SETS
+from .resource_sets import CONTACTS, JOINT_SETS, SETS
 
 EACH_POTENTIAL = pytest.mark.parametrize("potential", POTENTIALS.values(), ids=POTENTIALS)
-EACH_SENSOR = pytest.mark.parametrize("sensor", SENSORS.values(), ids=SENSORS)
 EACH_EFFECTOR = pytest.mark.parametrize("effector", EFFECTORS.values(), ids=EFFECTORS)
 EACH_ENTRY = pytest.mark.parametrize(
     "entry", [*POTENTIALS.values(), *SENSORS.values(), *EFFECTORS.values()], ids=[*POTENTIALS, *SENSORS, *EFFECTORS]
 )
-EACH_SET = pytest.mark.parametrize("resources", SETS.values(), ids=SETS)
+EACH_COORDINATES = pytest.mark.parametrize("coordinates", COORDINATES, ids=lambda coordinates: coordinates.name)
 
-UNITS = r"\[[^]]*\b(1|m|N|rad)\b[^]]*\]|\bDimensionless\b|\bIn (m|N|rad)[²·]*\b"
-ROWS = {TaskSpace.NET_FORCE: 3, TaskSpace.NET_MOMENT: 3}
+UNITS = r"\[[^]]*\b(1|m|N|rad)\b[^]]*\]|\bDimensionless\b|\bIn (m|N|rad|\(N·m\))[²·]*\b"
+ROWS = {TaskSpace.NET_FORCE: 3, TaskSpace.NET_MOMENT: 3, TaskSpace.NET_WRENCH: 6}
 COLUMNS = {
     GradientSpace.SURFACE: 2 * CONTACTS,
     GradientSpace.CARTESIAN: 3 * CONTACTS,
+    GradientSpace.ROTATION: 3 * CONTACTS,
     GradientSpace.JOINTS: JOINTS,
 }
 
 
-def mixing_of(entry: Sensor | Effector, resources: ContactSet) -> Array:
-    """The mixing that a transform takes: a row for each resource, or the weights of a sum."""
-    by_row = entry.per_contact if isinstance(entry, Sensor) else entry.gradient_space is GradientSpace.JOINTS
-    return resources.matrix if by_row else resources.weights
+def moves_joint_sets(effector: Effector) -> bool:
+    """Whether an effector transform takes sets of joints."""
+    return SENSORS[MODELS[effector.symbol].sensor].over_joints
 
 
-def rows_of(space: TaskSpace, resources: ContactSet) -> int:
+SENSED = [
+    pytest.param(sensor, resources, id=f"{symbol}-{name}")
+    for symbol, sensor in SENSORS.items()
+    for name, resources in (JOINT_SETS if sensor.over_joints else SETS).items()
+]
+# What is moved and what is sensed: one set of contacts, or any two sets of joints.
+MOVED = [
+    pytest.param(effector, moved, sensed, id=f"{symbol}-{one}-{other}")
+    for symbol, effector in EFFECTORS.items()
+    for (one, moved), (other, sensed) in (
+        product(JOINT_SETS.items(), repeat=2)
+        if moves_joint_sets(effector)
+        else [((name, same), (name, same)) for name, same in SETS.items()]
+    )
+]
+EACH_SENSED = pytest.mark.parametrize(("sensor", "resources"), SENSED)
+EACH_MOVED = pytest.mark.parametrize(("effector", "moved", "sensed"), MOVED)
+
+
+def sensing(sensor: Sensor, resources: ContactSet | JointSet) -> Array:
+    """The mixing that a sensor transform takes: a row for each resource, or the weights of a sum."""
+    return resources.matrix if isinstance(resources, JointSet) or sensor.per_contact else resources.weights
+
+
+def moving(effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet | JointSet) -> Array:
+    """The mixing that an effector transform takes."""
+    if isinstance(moved, JointSet):
+        return sensed.matrix * np.isin(np.arange(JOINTS), moved.joints)
+    return moved.matrix if effector.gradient_space is GradientSpace.JOINTS else moved.weights
+
+
+def rows_of(space: TaskSpace, resources: ContactSet | JointSet) -> int:
     """The numbers of a task space."""
+    if isinstance(resources, JointSet):
+        return len(resources.joints)
     return ROWS.get(space, 3 * len(resources.members))
 
 
 @EACH_ENTRY
 def test_docstring_has_symbol_source_and_unit(entry: Potential | Sensor | Effector) -> None:
-    text = type(entry).__doc__ or ""
+    text = " ".join((type(entry).__doc__ or "").split())
     assert text.startswith(entry.symbol)
-    assert f"Eq. {entry.equation}" in text or f"Sec. {entry.equation}" in text
+    assert f"Eq. {entry.equation}" in text or ("Sec." in entry.equation and entry.equation in text)
     assert re.search(UNITS, text)
     assert entry.about
 
@@ -89,66 +124,84 @@ def test_parts_of_a_potential_exist_and_agree(potential: Potential) -> None:
     assert {SENSORS[symbol].space for symbol in potential.sensors} == {potential.space}
     assert {MODELS[symbol].sensor for symbol in potential.effectors} <= set(potential.sensors)
     assert set(potential.references) <= set(SENSORS)
-    sizes = {SENSORS[symbol].per_contact for symbol in (*potential.sensors, *potential.references)}
-    assert len(sizes) == 1
+    for kind in ("per_contact", "over_joints"):
+        assert len({getattr(SENSORS[symbol], kind) for symbol in (*potential.sensors, *potential.references)}) == 1
+    assert potential.references or not potential.has_default_reference
 
 
 @EACH_EFFECTOR
-def test_effector_belongs_to_a_potential(effector: Effector) -> None:
-    assert [potential.symbol for potential in POTENTIALS.values() if effector.symbol in potential.effectors]
+def test_effector_belongs_to_one_potential(effector: Effector) -> None:
+    owners = [potential for potential in POTENTIALS.values() if effector.symbol in potential.effectors]
+    assert len(owners) == 1
+    assert MODELS[effector.symbol].sensor in owners[0].sensors
 
 
 def test_displaced_spaces_have_a_potential() -> None:
     assert set(DISPLACES.values()) <= {potential.space for potential in POTENTIALS.values()}
 
 
-@EACH_SET
-@EACH_SENSOR
-def test_sensor_shape_and_batches(sensor: Sensor, resources: ContactSet) -> None:
-    mixing = mixing_of(sensor, resources)
+def test_every_task_space_is_sensed_and_every_gradient_space_moved() -> None:
+    assert {sensor.space for sensor in SENSORS.values()} == set(TaskSpace)
+    assert {effector.gradient_space for effector in EFFECTORS.values()} == set(GradientSpace)
+    assert set(COLUMNS) == set(GradientSpace)
+
+
+@EACH_SENSED
+def test_sensor_shape_and_batches(sensor: Sensor, resources: ContactSet | JointSet) -> None:
+    mixing = sensing(sensor, resources)
     batch = inputs(generator(), CONTACTS, 2, 3)
-    shape = (len(resources.members), 3) if sensor.per_contact else (3,)
+    per_contact = isinstance(resources, ContactSet) and sensor.per_contact
+    shape = (len(resources.members), 3) if per_contact else (rows_of(sensor.space, resources),)
     whole = sensor.evaluate(mixing, *[batch[name] for name in sensor.reads])
     assert whole.shape == (2, 3, *shape)
     for place in np.ndindex(2, 3):
-        one = sensor.evaluate(mixing, *[_at(batch[name], place) for name in sensor.reads])
+        one = sensor.evaluate(mixing, *[_at(batch, name, place) for name in sensor.reads])
         np.testing.assert_allclose(whole[place], one, atol=1e-14)
 
 
-@EACH_SET
-@EACH_EFFECTOR
-def test_effector_shape_and_batches(effector: Effector, resources: ContactSet) -> None:
-    mixing = mixing_of(effector, resources)
-    batch = inputs(generator(), CONTACTS, 2, 3)
-    rows = rows_of(SENSORS[MODELS[effector.symbol].sensor].space, resources)
+@EACH_COORDINATES
+@EACH_MOVED
+def test_effector_shape_and_batches(
+    effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet | JointSet, coordinates: Coordinates
+) -> None:
+    mixing = moving(effector, moved, sensed)
+    batch = inputs(generator(), CONTACTS, 2, 3, coordinates=coordinates)
+    rows = rows_of(SENSORS[MODELS[effector.symbol].sensor].space, sensed)
     whole = effector.evaluate(mixing, *[batch[name] for name in effector.reads])
-    assert whole.shape == (2, 3, rows, COLUMNS[effector.gradient_space])
+    columns = COLUMNS[effector.gradient_space]
+    assert whole.shape == ((rows, columns) if moves_joint_sets(effector) else (2, 3, rows, columns))
     for place in np.ndindex(2, 3):
-        one = effector.evaluate(mixing, *[_at(batch[name], place) for name in effector.reads])
-        np.testing.assert_allclose(whole[place], one, atol=1e-14)
+        one = effector.evaluate(mixing, *[_at(batch, name, place) for name in effector.reads])
+        np.testing.assert_allclose(np.broadcast_to(whole, (2, 3, rows, columns))[place], one, atol=1e-14)
 
 
-def _at(value: Array, place: tuple[int, ...]) -> Array:
-    return value[place] if value.ndim else value
+def _at(batch: dict[str, Array], name: str, place: tuple[int, ...]) -> Array:
+    shared = name in {"curvature_radius", "joint_weights"}
+    return batch[name] if shared else batch[name][place]
 
 
 def test_every_effector_has_a_model() -> None:
     assert set(MODELS) == set(EFFECTORS)
 
 
-@EACH_SET
-@EACH_EFFECTOR
-def test_effector_is_the_derivative_under_its_model(effector: Effector, resources: ContactSet) -> None:
-    model = MODELS[effector.symbol]
-    sensor = SENSORS[model.sensor]
-    random = generator()
+@EACH_COORDINATES
+@EACH_MOVED
+def test_effector_is_the_derivative_under_its_model(
+    effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet | JointSet, coordinates: Coordinates
+) -> None:
+    model, random = MODELS[effector.symbol], generator()
+    mask = np.isin(np.arange(JOINTS), moved.joints) if isinstance(moved, JointSet) else 1.0
     for _ in range(5):
-        at_rest = inputs(random, CONTACTS)
+        at_rest = inputs(random, CONTACTS, coordinates=coordinates)
 
-        def sensed(displacement: Array, at_rest: dict[str, Array] = at_rest) -> Array:
-            moved = model.moved(at_rest, displacement)
-            return sensor.evaluate(mixing_of(sensor, resources), *[moved[name] for name in sensor.reads]).ravel()
+        def read(displacement: Array, at_rest: dict[str, Array] = at_rest) -> Array:
+            parts = []
+            for part in model.parts:
+                after, sensor = part.moved(at_rest, mask * displacement, coordinates), SENSORS[part.sensor]
+                value = sensor.evaluate(sensing(sensor, sensed), *[after[name] for name in sensor.reads])
+                parts.append(value.ravel() / (at_rest[part.unit] if part.unit else 1.0))
+            return np.concatenate(parts)
 
-        derivative = effector.evaluate(mixing_of(effector, resources), *[at_rest[name] for name in effector.reads])
-        differences = central_differences(sensed, np.zeros(COLUMNS[effector.gradient_space]))
+        derivative = effector.evaluate(moving(effector, moved, sensed), *[at_rest[name] for name in effector.reads])
+        differences = central_differences(read, np.zeros(COLUMNS[effector.gradient_space]))
         np.testing.assert_allclose(derivative, differences, atol=1e-8)

@@ -9,10 +9,10 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from graspdsl.cli.app import app
 from typer.testing import CliRunner
 
 from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
+from graspdsl.cli.app import app
 
 
 @pytest.fixture

@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from graspdsl.cli.app import app
 from typer.testing import CliRunner
 
 from cli.program import SPEC, codes, graspdsl
+from graspdsl.cli.app import app
 
 FORMULA = "π_s|Γ Γ (π_gx|Γ Γ)"
 

@@ -126,7 +126,7 @@ def test_the_summary_says_what_converged_means_and_where_the_run_is(finished: Fi
     answer = graspdsl("report", "run", cwd=finished.folder.parent, env={"COLUMNS": "80"})
     lines = answer.stdout.splitlines()
     assert lines[0] == "towel-roll-two-contacts, seed 2006"
-    assert lines[2] == "Converged means: ‖ρ_f‖ < 0.1, ‖ρ_m‖ < 5 mm, every contact touching, for 1 s."
+    assert lines[2] == "Converged: ‖ρ_f‖ < 0.1, ‖ρ_m‖ < 5 mm, forces ± 0.1 N, all touching, for 1 s."
     assert lines[-2:] == [
         "The run is in run; to repeat it:",
         "  graspdsl run run/spec.yaml --trials 3 --seed 2006",

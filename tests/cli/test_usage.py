@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from graspdsl.cli.app import LARGEST_SEED, MOST_TRIALS, app
 from typer.testing import CliRunner
 
 from cli.program import SPEC, graspdsl
+from graspdsl.cli.app import LARGEST_SEED, MOST_TRIALS, app
 from graspdsl.spec.models import Spec
 
 RESUMED = "a resumed run keeps its trials, seed, folder and settings"

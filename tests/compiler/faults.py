@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import Diagnostic, as_text
 
-from .specs import spec
+from .specs import floating, spec
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,14 @@ def _formula(about: str, formula: str) -> Case:
     return Case(about, spec(formula))
 
 
+def _floating(about: str, *formulas: str, **parts: str) -> Case:
+    return Case(about, floating(*formulas, **parts))
+
+
+def _held(about: str, formula: str) -> Case:
+    return Case(about, spec(formula, scene="world: bullet, object: {like: towel-roll, held: true}"))
+
+
 def _resource(about: str, name: str, meaning: str) -> Case:
     return Case(about, spec(resources={name: meaning}))
 
@@ -53,6 +61,32 @@ SCENE = (
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
     Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
 )
+WORLDS = (
+    _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
+    _floating("a box in the floating world", scene="object: {box: {size: [0.1, 0.1, 0.1]}}"),
+    Case("an ellipsoid in bullet", spec(scene="world: bullet, object: {ellipsoid: {size: [0.1, 0.1, 0.2]}}")),
+    Case("a bottle of the catalogue in bullet", spec(scene="world: bullet, object: bottle")),
+    Case("something like a bottle in bullet", spec(scene="world: bullet, object: {like: bottle, fixed: true}")),
+    Case(
+        "bare contacts in bullet",
+        spec(
+            "π_s|Γ Γ (π_gx|Γ Γ)",
+            scene="world: bullet, hand: points, object: towel-roll",
+            resources={"γ1": "point-1", "γ2": "point-2", "γ3": "point-3"},
+        ),
+    ),
+    _floating("a start from the side in the floating world", start="approach: side"),
+    Case("a start over the surface in bullet", spec(start="approach: surface")),
+    _floating("a held object in the floating world", scene="object: {like: ball, held: true}"),
+    _floating("forces in the floating world", "π_close|Γ Γ"),
+    _floating("forces after a grasp in the floating world", "π_gx|Γ Γ then π_s|Γ Γ (π_gx|Γ Γ)"),
+    _floating("joints in the floating world", "φ_k|τ_k(wrist) σ_k(wrist)"),
+    _floating("rotations in the floating world", "π_gθ|Γ {γ1, γ_g}"),
+    _formula("surface coordinates in bullet, sliding", "π_g|Γ Γ"),
+    _formula("rotations in bullet, without a held object", "π_gθ|Γ Γ"),
+    Case("moments about an object that is not held", spec(control="origin: object")),
+    Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
+)
 NAMES = (
     _formula("a potential that is not there", "φ_frr|τ_frx(Γ) σ_fr(Γ)"),
     _formula("an effector transform that is not there", "φ_fr|τ_frxx(Γ) σ_fr(Γ)"),
@@ -66,9 +100,14 @@ CONTROLLERS = (
     _formula("a sensor of another task space", "φ_fr|τ_frx(Γ) σ_mr(Γ)"),
     _formula("an effector of another potential", "φ_fr|τ_mrx(Γ) σ_fr(Γ)"),
     _formula("gravity cannot be moved", "φ_fr|τ_frx({γ1, <γ2, γ_g>}) σ_fr(Γ)"),
+    _held("gravity in a virtual contact cannot be moved", "π_rgθ|<γ1, γ_g> {γ1, γ_g}"),
+    Case("gravity by another name cannot be moved", floating("π_gx|Γ_m Γ_m", resources={"Γ_m": '"{γ1, γ_g}"'})),
+    _held("turning contacts without gravity", "π_rgθ|Γ Γ"),
     _formula("◁ between two spaces", "π_gx|Γ Γ ◁ π_close|Γ Γ"),
     _formula("a gradient that the world cannot carry out", "π_gx|Γ Γ"),
     _formula("'then' inside ◁", "(π_fr|Γ Γ then π_mr|Γ Γ) ◁ π_g|Γ Γ"),
+    _floating("'then' inside ◁ by an abbreviation", "π_cstar|Γ Γ ◁ π_fr|Γ Γ"),
+    _formula("'then' inside a reference", "π_s|Γ Γ (π_gx|Γ Γ then π_gx|γ1 Γ)"),
     _formula("different resources in one servo", "φ_p|τ_p(Γ) σ_p({γ1, γ2}) (σ_p({γ1, γ2}))"),
     _formula("different resources where 4.24 needs the same", "π_s|Γ {γ1, γ2} (π_gx|Γ Γ)"),
     _formula("too many arguments", "π_s|(Γ, Γ) Γ (π_gx|Γ Γ)"),
@@ -81,6 +120,13 @@ REFERENCES = (
     _formula("a vector of the wrong size", "π_s|Γ Γ (0.1, 0, 0.3)"),
     _formula("a vector of the wrong size for one resource", "π_s|γ1 γ1 (0.1)"),
     Case("a list where one number is needed", spec("π_close|Γ Γ", parameters="κ_f: [0.5, 1]")),
+    _formula("a posture of the wrong size", "φ_k|τ_k(all) σ_k(flexion) (1, 2)"),
+    Case(
+        "a posture of the wrong size for one joint",
+        spec("φ_k|τ_k(all) σ_k(Γ_k) (1, 2)", resources={"Γ_k": "wrist-x"}),
+    ),
+    _formula("a posture of other joints", "φ_k|τ_k(all) σ_k(flexion) (σ_k(fingers))"),
+    _held("an orientation of gravity", "φ_r|τ_r({γ1, γ2}) σ_r({γ1, γ2}) (σ_r({γ1, γ_g}))"),
     _formula("a sensor of another space", "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_p(Γ))"),
     _formula("a sensor over other resources", "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_n({γ1, γ2}))"),
     _formula("a gradient over the surface where one in x is needed", "π_s|Γ Γ (π_g|Γ Γ)"),
@@ -95,6 +141,11 @@ RESOURCES = (
     _formula("a contact twice in a nested virtual contact", "π_close|{<γ1, <γ2, γ1>>} Γ"),
     _formula("the same virtual contact twice", "π_close|{<γ2, γ3>, <γ3, γ2>} Γ"),
     _formula("a set in a set", "π_close|{γ1, Γ} Γ"),
+    _formula("joints where contacts are needed", "φ_p|τ_p(flexion) σ_p(flexion) (0, 0, 0)"),
+    _formula("joints among contacts", "π_close|{γ1, flexion} {γ1, flexion}"),
+    _formula("contacts where joints are needed", "φ_k|τ_k(Γ) σ_k(γ1)"),
+    _formula("joint sets in a set", "φ_k|τ_k(all) σ_k({flexion, wrist})"),
+    _formula("joints for one parameter, contacts for the other", "π_s|Γ flexion (π_gx|Γ Γ)"),
     _formula("gravity where it is not sensed", "π_s|Γ Γ (φ_fr|τ_frx(Γ) σ_fr({γ1, γ_g}))"),
     _resource("a contact that the hand has not", "γ3", "finger-4"),
     _resource("gravity declared", "γ_g", "finger-1"),
@@ -157,6 +208,7 @@ SEVERAL = (
 )
 CASES = (
     *SCENE,
+    *WORLDS,
     *NAMES,
     *CONTROLLERS,
     *REFERENCES,

@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.lowering import compile_controller
@@ -33,6 +34,10 @@ def observation(seed: int = 7, *batch: int) -> Observation:
         touching=np.ones((*batch, CONTACTS), dtype=bool),
         joints=random.normal(size=(*batch, JOINTS)),
         jacobian=random.normal(scale=0.1, size=(*batch, CONTACTS, 3, JOINTS)),
+        angular_jacobian=random.normal(size=(*batch, CONTACTS, 3, JOINTS)),
+        orientations=random.normal(size=(*batch, CONTACTS, 3)),
+        centre_of_mass=random.normal(scale=0.05, size=(*batch, 3)),
+        weight=np.broadcast_to([0.0, 0.0, -random.uniform(1.0, 9.0)], (*batch, 3)).copy(),
     )
 
 
@@ -44,12 +49,17 @@ def one_of(batch: Observation, index: int) -> Observation:
 
 def rotated(seen: Observation, rotation: Array) -> Observation:
     """The same as seen from a world frame that is turned about its origin."""
+    turn = Rotation.from_matrix(rotation)
     return replace(
         seen,
         points=seen.points @ rotation.T,
         normals=seen.normals @ rotation.T,
         forces=seen.forces @ rotation.T,
         jacobian=np.einsum("ij,kjn->kin", rotation, seen.jacobian),
+        angular_jacobian=np.einsum("ij,kjn->kin", rotation, seen.angular_jacobian),
+        orientations=(turn * Rotation.from_rotvec(seen.orientations)).as_rotvec(),
+        centre_of_mass=seen.centre_of_mass @ rotation.T,
+        weight=seen.weight @ rotation.T,
     )
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from graspdsl.compiler.program import Program, program_of
 
+FLOATING = "world: floating, hand: points"
+POINTS = {"γ1": "point-1", "γ2": "point-2", "γ3": "point-3"}
 RESOURCES = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": '"{γ1, <γ2, γ3>}"'}
 
 
@@ -17,6 +20,7 @@ def spec(
     controllers: Mapping[str, str] | None = None,
     until: str = "contact: all",
     control: str = "",
+    start: str = "",
 ) -> str:
     """The text of a spec without a fault, but for what is given."""
     lines = ["graspdsl: 1", "name: test", f"scene: {{{scene}}}", "resources:"]
@@ -27,7 +31,14 @@ def spec(
     lines += [f"control: {{{control}}}", "program:"]
     for formula in formulas or ("π_s|Γ Γ (π_gx|Γ Γ)",):
         lines += [f"  - run: {formula}", f"    until: {{{until}}}"]
+    lines += [f"trials: {{start: {{{start}}}}}"] if start else []
     return "\n".join(lines) + "\n"
+
+
+def floating(*formulas: str, scene: str = "object: ball", **parts: Any) -> str:
+    """The text of a spec of floating contacts without a fault, but for what is given."""
+    parts["resources"] = {**POINTS, **parts.get("resources", {})}
+    return spec(*(formulas or ("π_gx|Γ Γ",)), scene=f"{FLOATING}, {scene}", **parts)
 
 
 def program(formula: str, control: str = "", **parts: str) -> Program:

@@ -29,12 +29,20 @@ from graspdsl.notation.tree import (
 
 contacts = st.sampled_from(["γ1", "γ2", "γ3"]).map(Name)
 virtual = st.permutations(["γ1", "γ2", "γ3"]).map(lambda names: Virtual(tuple(map(Name, names[:2]))))
-odd: SearchStrategy[Resource] = st.sampled_from([Name("γ_g"), Name("γ9"), Name("Γ"), Virtual(())])
+odd: SearchStrategy[Resource] = st.sampled_from(
+    [Name("γ_g"), Name("γ9"), Name("Γ"), Name("flexion"), Virtual(()), Virtual((Name("γ1"), Name("γ_g")))]
+)
 members = st.lists(contacts | virtual | odd, max_size=3).map(tuple)
 resources: SearchStrategy[Resources] = st.one_of(
-    st.just(Name("Γ")), st.just(Name("Γ")), contacts, virtual, members.map(ResourceSet), members.map(Virtual)
+    st.just(Name("Γ")),
+    st.just(Name("Γ")),
+    contacts,
+    virtual,
+    st.sampled_from(["flexion", "all", "γ_g"]).map(Name),
+    members.map(ResourceSet),
+    members.map(Virtual),
 )
-vectors = st.sampled_from([1, 3, 6, 9]).map(lambda size: Vector((0.25,) * size))
+vectors = st.sampled_from([1, 3, 6, 9, 10]).map(lambda size: Vector((0.25,) * size))
 factors = st.none() | st.floats(-2, 2) | st.sampled_from(["κ_f", "κ_x"]).map(Name)
 
 
@@ -83,6 +91,20 @@ apart = st.permutations(three).flatmap(
     )
 )
 
+joint_sets = st.sampled_from(["flexion", "fingers", "wrist", "all"]).map(Name)
+
+
+def _with_gravity(tree: Resources) -> SearchStrategy[Resources]:
+    """Resources as they are, and with gravity beside them or, for a virtual contact, inside it."""
+    gravity = Name("γ_g")
+    if isinstance(tree, Virtual):
+        return st.sampled_from([tree, Virtual((*tree.members, gravity)), ResourceSet((tree, gravity)), gravity])
+    if isinstance(tree, ResourceSet):
+        return st.sampled_from([tree, ResourceSet((*tree.members, gravity))])
+    if tree.text == "Γ":
+        return st.just(tree)
+    return st.sampled_from([tree, ResourceSet((gravity, tree)), Virtual((tree, gravity))])
+
 
 @st.composite
 def sound(draw: st.DrawFn, space: GradientSpace) -> Expression:
@@ -96,10 +118,17 @@ def _sound_controller(draw: st.DrawFn, space: GradientSpace) -> Expression:
     ways = [(p, name) for p in POTENTIALS.values() for name in p.effectors if EFFECTORS[name].gradient_space is space]
     potential, effector = draw(st.sampled_from(ways))
     sensor = draw(st.sampled_from(potential.sensors))
-    sensed = draw(apart)
-    moved = sensed if SENSORS[sensor].per_contact else draw(apart)
+    sensed: Resources
+    moved: Resources
+    if SENSORS[sensor].over_joints:
+        sensed, moved = draw(joint_sets), draw(joint_sets)
+    else:
+        sensed = draw(apart)
+        moved = sensed if SENSORS[sensor].per_contact else draw(apart)
+    if not (SENSORS[sensor].per_contact or SENSORS[sensor].over_joints):
+        sensed = draw(_with_gravity(sensed))
     reference: Reference | None = None
-    if potential.references:
+    if potential.references and not (potential.has_default_reference and draw(st.booleans())):
         made_of = Transform(Name(draw(st.sampled_from(potential.references))), sensed)
         reference = ScaledSensor(draw(st.none() | st.floats(-2, 2) | st.just(Name("κ_f"))), made_of)
         displacing = [gradient for gradient, task in DISPLACES.items() if task is potential.space]

@@ -101,11 +101,19 @@ def test_any_formula_of_known_names(tree: Expression) -> None:
 @given(data=st.data(), lost=st.sets(st.integers(0, 2)))
 def test_sound_formulas_give_finite_commands(space: GradientSpace, data: st.DataObject, lost: set[int]) -> None:
     phase, _ = examine_expression(to_unicode(data.draw(strategies.sound(space))))
-    control = Control(nullspace=data.draw(st.sampled_from(["task", "gradient"])))
+    control = Control(
+        nullspace=data.draw(st.sampled_from(["task", "gradient"])),
+        virtual=data.draw(st.sampled_from(["members", "common"])),
+        surface=data.draw(st.sampled_from(["tangent", "spherical"])),
+        origin=data.draw(st.sampled_from(["centroid", "object", "world"])),
+    )
     seen = observation()
     seen.touching[list(lost)] = False
     (stage,) = phase.stages
-    tick = compile_controller(stage, phase.grasp, replace(TARGET, control=control)).evaluate(seen)
-    assert tick.command.space == stage.gradient_space.value == space.value
+    target = replace(TARGET, control=control, probing=data.draw(st.booleans()), held=data.draw(st.booleans()))
+    tick = compile_controller(stage, phase.grasp, target).evaluate(seen)
+    assert stage.gradient_space is space
+    assert tick.command.space == ("x" if space is GradientSpace.SURFACE else space.value)
+    assert all(rank >= 0 for rank in tick.ranks)
     assert np.all(np.isfinite(tick.command.displacement))
     assert all(leak < 1e-9 for leak in tick.leaks)

@@ -84,7 +84,7 @@ def test_a_chain_holds_where_nested_projection_leaks() -> None:
 
 def test_lower_levels_reach_their_goals_with_the_freedom_that_is_left() -> None:
     """Ten joints in a linear world have enough of it for one force and two positions."""
-    pipeline, seen = compiled(THREE, nullspace="task"), observation()
+    pipeline, seen = compiled(THREE, nullspace="task", cap=0.1), observation()
     seen.forces[:] = 0.5 * seen.normals
     for _ in range(2000):
         step = pipeline.evaluate(seen).command.displacement
@@ -101,12 +101,26 @@ def test_without_a_virtual_contact_projection_changes_nothing(nullspace: str) ->
     parts = [f"φ_mr|τ_mrx({plain}) σ_mr({plain})", f"φ_fr|τ_frx({plain}) σ_fr({plain})"]
     for seed in SEEDS:
         seen = observation(seed)
-        moment, force = (command(part, seen, nullspace=nullspace) for part in parts)
+        moment, force = (command(part, seen, nullspace=nullspace, cap=0.1) for part in parts)
         assert abs(np.sum(moment * force)) < 1e-12 * np.linalg.norm(moment) * np.linalg.norm(force)
         if nullspace == "gradient":
             for order in (parts, parts[::-1]):
-                found = command(" ◁ ".join(order), seen, nullspace=nullspace)
+                found = command(" ◁ ".join(order), seen, nullspace=nullspace, cap=0.1)
                 np.testing.assert_allclose(found, moment + force, atol=1e-12 * np.linalg.norm(found))
+
+
+@EACH_NULLSPACE
+@pytest.mark.parametrize("virtual", ["members", "common"])
+def test_with_a_virtual_contact_projection_acts(virtual: str, nullspace: str) -> None:
+    """Its members' weights take the right angle between the two gradients away."""
+    settings = {"virtual": virtual, "nullspace": nullspace, "cap": 0.1}
+    for seed in SEEDS:
+        seen = observation(seed)
+        both, force, moment = (
+            command(f, seen, **settings) for f in ("π_gx|Γ Γ", "φ_fr|τ_frx(Γ) σ_fr(Γ)", "φ_mr|τ_mrx(Γ) σ_mr(Γ)")
+        )
+        change = np.linalg.norm(both - force - moment) / np.linalg.norm(moment)
+        assert change > 1e-4
 
 
 def test_a_gradient_that_has_vanished_takes_no_freedom_away() -> None:

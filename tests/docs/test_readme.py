@@ -30,14 +30,25 @@ def test_every_block_is_checked() -> None:
     assert len(BLOCKS) >= 6
 
 
-@pytest.mark.parametrize("command", [line for line in COMMANDS if line.startswith("graspdsl ")])
-def test_commands_run(command: str, tmp_path: Path) -> None:
+def shell_blocks() -> list[list[str]]:
+    """The graspdsl commands of each block; those of one block run in order, in one folder."""
+    found = [
+        [line for line in text.splitlines() if line.startswith("graspdsl ")]
+        for *_, kind, text in BLOCKS
+        if kind == "sh"
+    ]
+    return [commands for commands in found if commands]
+
+
+@pytest.mark.parametrize("commands", shell_blocks(), ids=lambda commands: commands[0])
+def test_commands_run(commands: list[str], tmp_path: Path) -> None:
     """The graspdsl commands run as they stand; runs go to a folder of their own."""
-    words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)]
     program = Path(sys.executable).with_name("graspdsl")
-    done = subprocess.run([program, *words[1:]], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+    for command in commands:
+        words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)]
+        done = subprocess.run([program, *words[1:]], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout
 
 
 def test_make_knows_the_targets() -> None:

@@ -32,6 +32,7 @@ def _record(number: int, **values: Any) -> TrialRecord:
         "contact_forces": (0.5, 0.4),
         "ticks": 10,
         "ticks_to_converge": None,
+        "samples": 11,
         "leaking_ticks": 0,
         "point_error": (math.nan, math.nan),
         "normal_error": (math.nan, math.nan),
@@ -101,6 +102,7 @@ def test_what_converged_means_follows_the_settings(build: Build) -> None:
         "contact": None,
         "force_residual": 0.2,
         "moment_residual": None,
+        "force_error": None,
         "hold": 0.2,
     }
 

@@ -31,7 +31,7 @@ def place(diagnostic: Diagnostic) -> str:
 
 DISTRIBUTION = "a number, {uniform: [low, high]}, {normal: [mean, sd]} or {choice: [a, b, …]}"
 OBJECT = "the name of an object, or an object such as {cylinder: {diameter: 0.10, height: 0.20}}"
-SHAPE = "an object has exactly one shape (cylinder, sphere or box), found"
+SHAPE = "an object has exactly one shape (cylinder, sphere, box, ellipsoid, superquadric, bottle, or like), found"
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ SHAPE = "an object has exactly one shape (cylinder, sphere or box), found"
             "world: bulet",
             "unknown-value",
             "5:10",
-            "expected bullet, found the text 'bulet'",
+            "expected bullet or floating, found the text 'bulet'",
             "did you mean bullet?",
         ),
         ("world: bullet", "wrld: bullet", "unknown-key", "5:3", "'scene' has no key 'wrld'", "did you mean world?"),
@@ -182,7 +182,7 @@ SHAPE = "an object has exactly one shape (cylinder, sphere or box), found"
             "{hold: 0.2}",
             "missing-key",
             "22:12",
-            "'until' needs contact, force_residual or moment_residual",
+            "'until' needs contact, force_residual, moment_residual or force_error",
             "for example {contact: all}, or {force_residual: 0.1, moment_residual: 0.005}",
         ),
         (

@@ -35,7 +35,8 @@ def test_the_good_spec(tmp_path: Path, good: str) -> None:
     assert spec.program[1].until.moment_residual == 0.005
     assert spec.program[1].limit == 30.0
     assert spec.trials.start.roll == Uniform(uniform=(-1.5, 1.5))
-    assert spec.control.cap == 0.00075
+    assert spec.control.cap is None
+    assert spec.control.nullspace == "gradient"
     assert spec.evaluate == ("force-closure", "ferrari-canny", "lift", "shake")
 
 
@@ -74,15 +75,20 @@ def test_distributions(good: str, written: str, read: object) -> None:
 @pytest.mark.parametrize(
     ("written", "shape"),
     [
-        ("{sphere: {diameter: 0.1}, name: ball}", "Sphere"),
-        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", "Box"),
-        ("{cylinder: {diameter: 0.1, height: 0.2}}", "Cylinder"),
+        ("{sphere: {diameter: 0.1}, name: ball}", ("sphere", {"diameter": 0.1})),
+        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", ("box", {"size": (0.1, 0.1, 0.2)})),
+        ("{cylinder: {diameter: 0.1, height: 0.2}}", ("cylinder", {"diameter": 0.1, "height": 0.2, "edge": 0.005})),
+        (
+            "{superquadric: {size: [0.1, 0.1, 0.2], exponent: 4}}",
+            ("superquadric", {"size": (0.1, 0.1, 0.2), "exponent": 4}),
+        ),
+        ("{like: towel-roll, held: true}", None),
     ],
 )
-def test_objects(good: str, written: str, shape: str) -> None:
+def test_objects(good: str, written: str, shape: object) -> None:
     found = load_spec_text(good, "test.yaml", [f"scene.object={written}"]).spec.scene.object
     assert not isinstance(found, str)
-    assert type(found.shape).__name__ == shape
+    assert found.shape == shape
 
 
 class Finger(Model):

@@ -34,6 +34,7 @@ RECORD = TrialRecord(
     object_lean=0.0,
     ticks=0,
     ticks_to_converge=None,
+    samples=121,
     largest_leak=0.0,
     leaking_ticks=0,
     point_error=(math.nan, math.nan),

@@ -5,9 +5,6 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-import numpy as np
-
-from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import HERE, Robot
 
 
@@ -29,20 +26,6 @@ def assembled_urdf(robot: Robot) -> str:
     ET.SubElement(joint, "parent", link=robot.mount.face)
     ET.SubElement(joint, "child", link=robot.hand.root)
     return ET.tostring(whole, encoding="unicode")
-
-
-def joint_limits(robot: Robot) -> tuple[Array, Array]:
-    """Lower and upper limits (n,) [m or rad] of the actuated joints, as the URDFs say."""
-    limits = {
-        joint.get("name", ""): joint.find("limit")
-        for file in (robot.mount.urdf, robot.hand.urdf)
-        for joint in ET.parse(HERE / file).getroot().iter("joint")
-    }
-    found = [limits[name] for name in robot.joints]
-    lower, upper = (
-        [float(limit.get(side, "0")) for limit in found if limit is not None] for side in ("lower", "upper")
-    )
-    return np.array(lower), np.array(upper)
 
 
 def _make_mesh_paths_absolute(element: ET.Element, folder: Path) -> None:

@@ -180,11 +180,11 @@ class BulletHand:
         states = self._engine.getJointStates(self.body, [tip.cell for tip in self.tips], self._client)
         return np.array([state[2] for state in states])
 
-    def jacobian(self, tip: Tip, point: Array, all_joints: list[float]) -> Array:
-        """The (3, n) Jacobian in the world frame of a material point (3,) of a tip, given in the tip link's frame."""
+    def jacobians(self, tip: Tip, point: Array, all_joints: list[float]) -> tuple[Array, Array]:
+        """The linear and angular (3, n) world-frame Jacobians of a material point (3,), given in the tip's frame."""
         zeros = [0.0] * len(all_joints)
         # The engine measures the point from the centre of mass and answers in the frame of the base.
         local = (point - tip.centre - tip.weight_lever).tolist()
-        linear, _ = self._engine.calculateJacobian(self.body, tip.link, local, all_joints, zeros, zeros, self._client)
-        result: Array = self._base_rotation @ np.array(linear) @ self.coupling
-        return result
+        both = self._engine.calculateJacobian(self.body, tip.link, local, all_joints, zeros, zeros, self._client)
+        linear, angular = (self._base_rotation @ np.array(part) @ self.coupling for part in both)
+        return linear, angular

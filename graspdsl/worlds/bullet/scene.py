@@ -2,33 +2,69 @@
 
 from __future__ import annotations
 
+import enum
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Body, Box, Cylinder
+from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
 from graspdsl.worlds.bullet.hand import BulletHand, rotation_matrix
 
 TABLE_SIZE = (1.2, 1.2, 0.05)
+OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
 PAPER = (0.93, 0.91, 0.86, 1.0)
 
 
-class Scene:
-    """A table whose top is z = 0 and one free object that stands on it at the origin."""
+class Anchor(enum.Enum):
+    """What the object is fixed to when a trial starts."""
 
-    def __init__(self, engine: Any, client: int, body: Body, table_friction: float) -> None:
+    NONE = "free, standing on the table"
+    HAND = "held by the hand, the table out of the way"
+    WORLD = "fixed to the world"
+
+
+class Scene:
+    """A table whose top is z = 0 and one object that stands on it at the origin.
+
+    For a held object the table is lowered out of the way; ``attach`` fixes the object to the hand.
+    """
+
+    def __init__(self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor) -> None:
         self._engine, self._client = engine, client
         self.table = self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in TABLE_SIZE]}, 0.0, WOOD)
-        self._move(self.table, -TABLE_SIZE[2] / 2)
-        self.object = self._object(body)
+        self._move(self.table, -TABLE_SIZE[2] / 2 - (OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0))
+        self.mass = body.mass
+        self.object = self._object(body if anchor is not Anchor.WORLD else replace(body, mass=0.0))
         self._move(self.object, body.shape.extent[2] / 2)
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
         engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
         engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
         self.mark_rest()
+
+    def attach(self, hand: BulletHand) -> None:
+        """Fix the object to the hand's palm where it is."""
+        engine, client = self._engine, self._client
+        palm = hand.link_index[hand.robot.hand.palm]
+        state = engine.getLinkState(hand.body, palm, physicsClientId=client)
+        back_position, back_rotation = engine.invertTransform(state[0], state[1])
+        position, quaternion = engine.getBasePositionAndOrientation(self.object, client)
+        local = engine.multiplyTransforms(back_position, back_rotation, position, quaternion)
+        engine.createConstraint(
+            hand.body,
+            palm,
+            self.object,
+            -1,
+            engine.JOINT_FIXED,
+            [0, 0, 0],
+            local[0],
+            [0, 0, 0],
+            local[1],
+            physicsClientId=client,
+        )
 
     def _object(self, body: Body) -> int:
         engine, shape = self._engine, body.shape
@@ -37,7 +73,9 @@ class Scene:
             return self._solid(engine.GEOM_CYLINDER, form, body.mass, PAPER)
         if isinstance(shape, Box):
             return self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in shape.size]}, body.mass, PAPER)
-        return self._solid(engine.GEOM_SPHERE, {"radius": shape.diameter / 2}, body.mass, PAPER)
+        if isinstance(shape, Sphere):
+            return self._solid(engine.GEOM_SPHERE, {"radius": shape.diameter / 2}, body.mass, PAPER)
+        raise ValueError(f"the bullet world has no {type(shape).__name__.lower()}")
 
     def _solid(self, kind: int, form: dict[str, Any], mass: float, colour: tuple[float, ...]) -> int:
         engine, client = self._engine, self._client
@@ -93,12 +131,12 @@ class Scene:
                 continue
             weights = np.array([c[9] for c in pressing])
             inward = -np.array([c[7] for c in pressing])
-            # The engine's friction forces have the other sign than its normal forces.
+            # The engine tells the normal on the object, but friction as it acts on the hand.
             friction = np.array([c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in pressing])
             normal = weights @ inward
             answer[0, row] = weights @ np.array([c[6] for c in pressing]) / weights.sum()
             answer[1, row] = normal / np.linalg.norm(normal)
-            answer[2, row] = normal + friction.sum(axis=0)
+            answer[2, row] = normal - friction.sum(axis=0)
         return answer[0], answer[1], answer[2]
 
     def other_links(self, hand: BulletHand) -> tuple[str, ...]:

@@ -30,6 +30,7 @@ class Reading(NamedTuple):
     forces: Array
     touching: Flags
     local: tuple[Array, ...]
+    rotations: Array
 
 
 class Fingertips:
@@ -83,6 +84,7 @@ class Fingertips:
             strengths = np.array([np.linalg.norm(load[:3]) for load in loads])
         limit = np.where(self._touching, self._settings.ends, self._settings.begins)
         self._touching = strengths > limit
+        rotations = np.array([rotation for _, rotation in frames])
         local = []
         for i, (tip, (origin, rotation)) in enumerate(zip(hand.tips, frames, strict=True)):
             place = tip.centre
@@ -100,7 +102,7 @@ class Fingertips:
                 points[i], forces[i] = origin + rotation @ tip.centre, 0.0
                 normals[i] = self._predicted_normal(i)
             local.append(place)
-        return Reading(points, normals, forces, self._touching.copy(), tuple(local))
+        return Reading(points, normals, forces, self._touching.copy(), tuple(local), rotations)
 
     def _predicted_normal(self, contact: int) -> Array:
         """Where a contact that does not touch will meet the surface: its last normal, or where its finger closes."""
@@ -108,6 +110,6 @@ class Fingertips:
         if last is not None:
             return last
         tip = self._hand.tips[contact]
-        motion = self._hand.jacobian(tip, tip.centre, self._hand.all_joints()) @ self._closing[contact]
+        motion = self._hand.jacobians(tip, tip.centre, self._hand.all_joints())[0] @ self._closing[contact]
         direction: Array = motion / np.linalg.norm(motion)
         return direction

@@ -8,12 +8,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.hands.descriptions import Robot
+from graspdsl.basis.rotations import logarithm
+from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.objects.shapes import Body
-from graspdsl.worlds.bullet.assembly import joint_limits
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.scene import Scene
+from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.touch import Fingertips, TouchSettings
 from graspdsl.worlds.protocol import (
     Command,
@@ -41,6 +41,7 @@ class BulletSettings:
     body: Body
     friction: float
     touch: TouchSettings = field(default_factory=TouchSettings)
+    anchor: Anchor = Anchor.NONE
     gravity: float = 9.81
     table_friction: float = 0.5
 
@@ -51,7 +52,8 @@ class BulletWorld:
     def __init__(self, settings: BulletSettings) -> None:
         self.settings = settings
         robot = settings.robot
-        self.info = WorldInfo(CONTROL_RATE, robot.contacts, tuple(robot.joints), *joint_limits(robot))
+        lower, upper = (np.array(limits) for limits in joint_limits(robot))
+        self.info = WorldInfo(CONTROL_RATE, robot.contacts, tuple(robot.joints), lower, upper)
         self._engine = pybullet()
         self._client = -1
 
@@ -65,12 +67,14 @@ class BulletWorld:
         engine.setTimeStep(1.0 / (CONTROL_RATE * PHYSICS_STEPS), client)
         engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
         engine.setGravity(0, 0, -self.settings.gravity, client)
-        self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction)
+        self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
         quaternion = Rotation.from_matrix(start.rotation).as_quat()
         self.hand = BulletHand(engine, client, self.settings.robot, start.position, quaternion, self.settings.friction)
         self._target = self._preshape()
         self.hand.place(self._target)
         self.hand.drive(self._target)
+        if self.settings.anchor is Anchor.HAND:
+            self._scene.attach(self.hand)
         self._ticks = 0
         self._tips = Fingertips(self.hand, self._scene, self.settings.touch, self.settings.gravity, seed)
         for _ in range(SETTLE_TICKS):
@@ -123,11 +127,15 @@ class BulletWorld:
         """Displace the joints' targets by the command, within their limits, and simulate one tick."""
         if command.space != "q":
             raise ValueError(f"the bullet world moves joints (q), not {command.space}")
-        self._target = np.clip(self._target + command.displacement, self.info.lower, self.info.upper)
+        self._advance(command.displacement)
+        return self._observe()
+
+    def _advance(self, displacement: Array) -> None:
+        """One tick with the joints' targets displaced by (n,) [m or rad], within their limits."""
+        self._target = np.clip(self._target + displacement, self.info.lower, self.info.upper)
         self.hand.drive(self._target)
         self._simulate()
         self._ticks += 1
-        return self._observe()
 
     def _simulate(self) -> None:
         for _ in range(PHYSICS_STEPS):
@@ -142,9 +150,9 @@ class BulletWorld:
         joints = self.hand.all_joints()
         if not all(np.isfinite(joints)):
             raise WorldCrashError("a joint's position is not a number")
-        jacobian = np.array(
-            [self.hand.jacobian(tip, point, joints) for tip, point in zip(self.hand.tips, reading.local, strict=True)]
-        )
+        pairs = [self.hand.jacobians(tip, p, joints) for tip, p in zip(self.hand.tips, reading.local, strict=True)]
+        held = self.settings.anchor is Anchor.HAND
+        unknown = np.full(3, np.nan)
         return Observation(
             time=self._ticks / CONTROL_RATE,
             points=reading.points,
@@ -152,7 +160,11 @@ class BulletWorld:
             forces=reading.forces,
             touching=reading.touching,
             joints=self.hand.actuated(joints),
-            jacobian=jacobian,
+            jacobian=np.array([linear for linear, _ in pairs]),
+            angular_jacobian=np.array([angular for _, angular in pairs]),
+            orientations=logarithm(reading.rotations),
+            centre_of_mass=self._scene.object_pose()[0] if held else unknown,
+            weight=np.array([0.0, 0.0, -self._scene.mass * self.settings.gravity]) if held else unknown,
         )
 
     def truth(self) -> Truth:

@@ -1,0 +1,109 @@
+"""What there is to write with: potentials, transforms, controllers, hands, objects, worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from graspdsl.cli.messages import result, result_json
+from graspdsl.cli.tables import row, table, text_of
+
+Rows = list[dict[str, str]]
+
+
+def show_list(kind: str, as_json: bool) -> None:
+    """Print the entries of one kind."""
+    entries = KINDS[kind]()
+    if as_json:
+        result_json({kind: entries})
+        return
+    columns = list(entries[0])
+    listed = table(kind, *columns, words=True)
+    for entry in entries:
+        row(listed, *entry.values())
+    result(text_of([listed]))
+
+
+def _potentials() -> Rows:
+    from graspdsl.basis.potentials import POTENTIALS
+
+    return [
+        {
+            "name": potential.symbol,
+            "equation": potential.equation,
+            "sensors": ", ".join(potential.sensors),
+            "effectors": ", ".join(potential.effectors),
+            "about": potential.about,
+        }
+        for potential in POTENTIALS.values()
+    ]
+
+
+def _sensors() -> Rows:
+    from graspdsl.basis.sensors import SENSORS
+
+    return [
+        {"name": sensor.symbol, "equation": sensor.equation, "task space": sensor.space.value, "about": sensor.about}
+        for sensor in SENSORS.values()
+    ]
+
+
+def _effectors() -> Rows:
+    from graspdsl.basis.effectors import EFFECTORS
+
+    return [
+        {
+            "name": effector.symbol,
+            "equation": effector.equation,
+            "moves": effector.gradient_space.value,
+            "about": effector.about,
+        }
+        for effector in EFFECTORS.values()
+    ]
+
+
+def _controllers() -> Rows:
+    from graspdsl.compiler.definitions import prelude
+    from graspdsl.notation.printer import to_unicode
+
+    return [
+        {
+            "controller": to_unicode(definition.head),
+            "equation": definition.equation,
+            "stands for": to_unicode(definition.body) if definition.body else "",
+            "use it": definition.about,
+        }
+        for definition in prelude().values()
+    ]
+
+
+def _named(entries: Iterable[tuple[str, str]]) -> Rows:
+    return [{"name": name, "about": about} for name, about in entries]
+
+
+def _hands() -> Rows:
+    from graspdsl.hands.descriptions import hands
+
+    return _named((name, hand.about) for name, hand in hands().items())
+
+
+def _objects() -> Rows:
+    from graspdsl.objects.shapes import catalogue
+
+    return _named((name, body.about) for name, body in catalogue().items())
+
+
+def _worlds() -> Rows:
+    from graspdsl.worlds.kinds import WORLDS
+
+    return _named((name, world.about) for name, world in WORLDS.items())
+
+
+KINDS: Mapping[str, Callable[[], Rows]] = {
+    "potentials": _potentials,
+    "sensors": _sensors,
+    "effectors": _effectors,
+    "controllers": _controllers,
+    "hands": _hands,
+    "objects": _objects,
+    "worlds": _worlds,
+}

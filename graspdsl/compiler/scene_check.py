@@ -1,0 +1,87 @@
+"""Do the parts of a scene go together: shapes, hands, sensing and starts that a world has."""
+
+from __future__ import annotations
+
+from graspdsl.compiler.complaints import Complaints
+from graspdsl.hands.descriptions import hands
+from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue
+from graspdsl.spec.constructing import Path
+from graspdsl.spec.document import Document
+from graspdsl.worlds.kinds import WORLDS, WorldKind
+
+SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
+
+
+def check_scene(document: Document, complaints: Complaints) -> None:
+    """Complain about what the scene's world has not."""
+    name = _value(document, ("scene", "world"))
+    world = WORLDS.get(name) if isinstance(name, str) else None
+    if world is None:
+        return
+    _Check(document, complaints, world).all()
+
+
+class _Check:
+    def __init__(self, document: Document, complaints: Complaints, world: WorldKind) -> None:
+        self._document, self._complaints, self._world = document, complaints, world
+
+    def all(self) -> None:
+        self._shape()
+        self._hand()
+        self._centre_of_mass()
+        sensing: Path = ("scene", "sensing")
+        if self._world.floats and _value(self._document, sensing) == "load-cell":
+            self._error("not-sensed", "floating contacts have no load cells", sensing, "use exact, or leave it out")
+        approach: Path = ("trials", "start", "approach")
+        chosen = _value(self._document, approach)
+        if chosen is not None and (chosen == "surface") != self._world.floats:
+            hint = "write approach: surface, or leave it out" if self._world.floats else "use side or top"
+            self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
+
+    def _shape(self) -> None:
+        thing = _value(self._document, ("scene", "object"))
+        path: Path = ("scene", "object")
+        if isinstance(thing, dict) and "like" in thing:
+            thing, path = thing["like"], (*path, "like")
+        if isinstance(thing, dict):
+            kinds = [kind for kind in ("box", *SMOOTH_ONLY) if kind in thing]
+        else:
+            body = catalogue().get(str(thing))
+            kinds = [type(body.shape).__name__.lower()] if body else []
+        for kind in kinds:
+            if self._world.floats and kind == "box":
+                message = "contacts cannot float on a box: its edges have no normal"
+                self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
+            elif not self._world.floats and kind in SMOOTH_ONLY:
+                message = f"the {self._world.name} world has no {kind}"
+                self._error("shape-not-in-world", message, path, "use a cylinder, a sphere or a box")
+
+    def _hand(self) -> None:
+        path: Path = ("scene", "hand")
+        hand = hands().get(str(_value(self._document, path) or "barrett"))
+        if hand is not None and not hand.urdf and not self._world.floats:
+            message = f"the hand {hand.hand} is bare contacts without a model"
+            self._error("hand-not-in-world", message, path, "use it in the floating world, or another hand here")
+
+    def _centre_of_mass(self) -> None:
+        """It is known of an object that is held or that contacts float on."""
+        held: Path = ("scene", "object", "held")
+        if self._world.floats and _value(self._document, held) is True:
+            message = "an object that contacts float on stays put: nothing holds it"
+            self._error("held-not-in-world", message, held, "leave it out")
+        origin: Path = ("control", "origin")
+        known = self._world.floats or _value(self._document, held) is True
+        if _value(self._document, origin) == "object" and not known:
+            message = "moments cannot be taken about the object: its centre of mass is known only when it is held"
+            self._error("origin-not-sensed", message, origin, "use centroid, or add 'held: true' to the object")
+
+    def _error(self, code: str, message: str, path: Path, hint: str) -> None:
+        self._complaints.about(path)
+        self._complaints.error(code, message, self._document.span(path), hint)
+
+
+def _value(document: Document, path: Path) -> object:
+    try:
+        return document.get(path)
+    except KeyError:
+        return None

@@ -1,0 +1,140 @@
+"""The superquadric: from an ellipsoid (exponent 2) to nearly a box (exponent 10)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graspdsl.arrays import Array, Flags
+from graspdsl.objects.surfaces.mesh import unit_sphere
+from graspdsl.objects.surfaces.sampling import accepted
+from graspdsl.objects.surfaces.surface import Surface
+from graspdsl.objects.surfaces.vectors import axis_of_least, directions, dot, largest, lengths
+
+EPSILON = float(np.finfo(np.float64).eps)
+MOST_PASSES = 100
+
+
+@dataclass(frozen=True)
+class Superquadric(Surface):
+    """|x/a|^p + |y/b|^p + |z/c|^p = 1 with semi axes (a, b, c) in m, half of the full size, exponent p from 2 to 10.
+
+    In the formulas below u = (x/a, y/b, z/c), and |u|_p = (Σ |u_i|^p)^(1/p) is the gauge of a point.
+    """
+
+    semi_axes: tuple[float, float, float]
+    exponent: float
+
+    def __post_init__(self) -> None:
+        if not min(self.semi_axes) > 0.0:
+            raise ValueError(f"the semi axes of a superquadric must be positive, not {self.semi_axes}")
+        if not 2.0 <= self.exponent <= 10.0:
+            raise ValueError(f"the exponent of a superquadric must be from 2 to 10, not {self.exponent}")
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        """Full size along x, y, z [m]."""
+        a, b, c = self.semi_axes
+        return (2 * a, 2 * b, 2 * c)
+
+    def level(self, points: Array) -> Array:
+        """(|u|_p − 1) √(a² + b² + c²) [m], (...)."""
+        return (self._gauge(points / np.array(self.semi_axes)) - 1.0) * float(np.linalg.norm(self.semi_axes))
+
+    def normals(self, points: Array) -> Array:
+        """sign(u_i) |u_i|^(p−1) / a_i, normalised, (..., 3); at the centre the direction of the least axis."""
+        axes = np.array(self.semi_axes)
+        scaled = np.abs(points) / axes
+        size = largest(scaled)[..., None]
+        steepness = (scaled / np.where(size > 0.0, size, 1.0)) ** (self.exponent - 1.0)
+        return directions(np.copysign(steepness / axes, points), otherwise=axis_of_least(self.semi_axes))
+
+    def nearest(self, points: Array) -> Array:
+        """The nearest point (..., 3) [m] by Newton's method, which converges from every point.
+
+        For y outside, with v = |y/a|, the nearest point is the u(λ) of length |u|_p = 1 among the solutions of
+
+            u_i + (λ/a_i²) u_i^(p−1) = v_i,    λ ≥ 0.
+
+        1/u_i is concave in λ and so, for p ≥ 2, is 1/|u|_p (a mean of the 1/u_i that is concave and growing): Newton's
+        method on 1/|u(λ)|_p − 1 climbs from λ = 0 to its root without ever passing it. For each λ, u_i is the root of
+        a convex and growing function, to which Newton's method descends from any bound above it.
+
+        A point inside is first put, along the normal, on the tangent plane where the ray from the centre through it
+        meets the surface. Its result is the nearest point up to the square of its depth.
+        """
+        axes = np.array(self.semi_axes)
+        outside = self._put_outside(points)
+        flat = np.abs(outside).reshape(-1, 3) / axes
+        feet, gauge = flat.copy(), self._gauge(flat)
+        multiplier, rest = np.zeros(len(flat)), np.arange(len(flat))
+        for _ in range(MOST_PASSES):
+            rest = rest[gauge[rest] > 1.0 + 4.0 * EPSILON]
+            if not rest.size:
+                break
+            u, length = feet[rest], gauge[rest]
+            powers = u ** (self.exponent - 2.0)
+            weights = powers / (axes**2 + (self.exponent - 1.0) * multiplier[rest, None] * powers)
+            slope = dot(u**2 * powers, weights)
+            multiplier[rest] += (length - 1.0) * length**self.exponent / slope
+            feet[rest] = self._roots(multiplier[rest, None] / axes**2, flat[rest], u)
+            gauge[rest] = self._gauge(feet[rest])
+        result: Array = np.copysign(axes * (feet / gauge[:, None]).reshape(points.shape), outside)
+        return result
+
+    def sample(self, count: int, random: np.random.Generator) -> Array:
+        """Points of a cube, drawn to the surface along rays and kept in proportion to the growth of area there.
+
+        A patch dC of the cube max |c_i| = 1 becomes one of area a b c κ³ |(|u_i|^(p−1) / a_i)| dC at u = κ c with
+        κ = 1/|c|_p, and that is at most a b c / min(a, b, c) dC.
+        """
+        axes = np.array(self.semi_axes)
+
+        def draw(number: int, random: np.random.Generator) -> tuple[Array, Array]:
+            cube = random.uniform(-1.0, 1.0, (number, 3))
+            cube[np.arange(number), random.integers(3, size=number)] = np.sign(random.uniform(-1.0, 1.0, number))
+            unit = cube / self._gauge(cube)[:, None]
+            growth = lengths(np.abs(unit) ** (self.exponent - 1.0) / axes) / self._gauge(cube) ** 3
+            return unit * axes, growth * axes.min()
+
+        return accepted(count, random, draw)
+
+    def rings(self, count: int) -> Array:
+        """The unit sphere's circles of latitude, drawn to the surface along rays: (count + 1, 2 count, 3) [m]."""
+        sphere = unit_sphere(count)
+        rings: Array = sphere / self._gauge(sphere)[..., None] * np.array(self.semi_axes)
+        return rings
+
+    def _gauge(self, scaled: Array) -> Array:
+        """|u|_p, (...)."""
+        size = largest(scaled)
+        powers = (np.abs(scaled) / np.where(size > 0.0, size, 1.0)[..., None]) ** self.exponent
+        result: Array = size * (powers[..., 0] + powers[..., 1] + powers[..., 2]) ** (1.0 / self.exponent)
+        return result
+
+    def _put_outside(self, points: Array) -> Array:
+        """Points outside as they are, those inside on a tangent plane nearby, (..., 3)."""
+        axes, normals = np.array(self.semi_axes), self.normals(points)
+        gauge = self._gauge(points / axes)
+        inside: Flags = gauge < 1.0
+        feet = np.where(
+            gauge[..., None] > 0.0,
+            points / np.where(gauge > 0.0, gauge, 1.0)[..., None],
+            axis_of_least(self.semi_axes) * axes,
+        )
+        depth = np.where(inside, dot(feet - points, normals), 0.0)
+        result: Array = points + depth[..., None] * normals
+        return result
+
+    def _roots(self, slopes: Array, values: Array, above: Array) -> Array:
+        """The u ≤ ``above`` with u + m u^(p−1) = v for slopes m > 0 and values v ≥ 0, (n, 3)."""
+        u = np.minimum(above, (values / slopes) ** (1.0 / (self.exponent - 1.0)))
+        for _ in range(MOST_PASSES):
+            steep = slopes * u ** (self.exponent - 2.0)
+            excess = u + steep * u - values
+            unfinished = excess > 4.0 * EPSILON * values
+            if not np.any(unfinished):
+                break
+            u = np.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u)
+        return u

@@ -1,0 +1,38 @@
+"""Lengths and directions of (..., 3) arrays, element by element, so that a batch gives what its points give alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graspdsl.arrays import Array
+
+
+def dot(a: Array, b: Array) -> Array:
+    """a·b over the last axis, (...)."""
+    result: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    return result
+
+
+def lengths(vectors: Array) -> Array:
+    """|v| over the last axis, (...)."""
+    return np.sqrt(dot(vectors, vectors))
+
+
+def largest(vectors: Array) -> Array:
+    """The largest of |x|, |y|, |z|, (...)."""
+    sizes = np.abs(vectors)
+    return np.maximum(np.maximum(sizes[..., 0], sizes[..., 1]), sizes[..., 2])
+
+
+def directions(vectors: Array, otherwise: Array) -> Array:
+    """v / |v|, (..., 3), also for the smallest numbers there are; ``otherwise`` (3,) in place of no vector at all."""
+    size = largest(vectors)[..., None]
+    scaled = np.where(size > 0.0, vectors / np.where(size > 0.0, size, 1.0), otherwise)
+    result: Array = scaled / lengths(scaled)[..., None]
+    return result
+
+
+def axis_of_least(sizes: tuple[float, float, float]) -> Array:
+    """The unit vector (3,) along the least of three sizes: where the surface is nearest to the centre."""
+    axis: Array = np.eye(3)[int(np.argmin(sizes))]
+    return axis

@@ -1,0 +1,53 @@
+"""Every spec that the project ships is sound and runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from graspdsl.compiler.program import examine, program_of
+from graspdsl.diagnostics import has_errors
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.setup import trial_loop
+
+SPECS = Path(__file__).parent.parent / "specs"
+NAMES = sorted(path.relative_to(SPECS).as_posix() for path in SPECS.rglob("*.yaml"))
+CHAPTER = {
+    "4_13_force_residual": Outcome.CONVERGED,
+    "4_17_moment_residual": Outcome.LOCAL_MINIMUM,
+    "4_18_grasp": Outcome.CONVERGED,
+    "4_22_hybrid": Outcome.CONVERGED,
+    "4_24_slide": Outcome.CONVERGED,
+    "4_26_slide_with_posture": Outcome.CONVERGED,
+    "4_30_grasp_cartesian": Outcome.CONVERGED,
+    "4_31_slide_to_grasp": Outcome.CONVERGED,
+    "4_40_rotate": Outcome.CONVERGED,
+    "4_41_rotate_orientation": Outcome.CONVERGED,
+    "close": Outcome.CONVERGED,
+    "cstar": Outcome.CONVERGED,
+}
+
+
+def test_the_chapter_is_whole() -> None:
+    assert {name.removeprefix("chapter/") for name in NAMES if name.startswith("chapter/")} == {
+        f"{name}.yaml" for name in CHAPTER
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_spec_is_valid(name: str) -> None:
+    examination = examine((SPECS / name).read_text("utf-8"), name)
+    assert examination.program is not None
+    assert not has_errors(examination.diagnostics)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_two_trials_of_a_spec_run(name: str) -> None:
+    loop = trial_loop(program_of((SPECS / name).read_text("utf-8"), name))
+    records = [loop.run(number, 19).record for number in range(2)]
+    expected = CHAPTER.get(Path(name).stem) if name.startswith("chapter/") else None
+    for record in records:
+        assert record.outcome is not Outcome.CRASHED, record.detail
+        assert record.ticks > 0
+        assert expected is None or record.outcome is expected, record.detail

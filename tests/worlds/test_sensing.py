@@ -1,0 +1,45 @@
+"""Tactile sensing over whole sliding trials, against the simulator's contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from graspdsl.arrays import Array
+from graspdsl.trials.setup import trial_loop
+
+from .scenes import main_program
+
+TRIALS = ((101, 0), (102, 1), (103, 2))  # seed and number
+SLIDING = 1
+
+
+def errors(*overrides: str) -> tuple[Array, Array]:
+    """Distances [m] of sensed from true points and angles [rad] between normals while contacts touch and slide."""
+    loop = trial_loop(main_program(*overrides))
+    distances, angles = [], []
+    for seed, number in TRIALS:
+        rows = loop.run(number, seed).trajectory
+        sliding = (rows["phase"] == SLIDING)[:, None] & rows["touching"].astype(bool)
+        both = sliding & np.isfinite(rows["forces"]).all(axis=2)
+        assert both.sum() > 50
+        points, sensed = rows["points"][both].astype(float), rows["sensed_points"][both].astype(float)
+        normals, felt = rows["normals"][both].astype(float), rows["sensed_normals"][both].astype(float)
+        distances.append(np.linalg.norm(sensed - points, axis=1))
+        sine = np.linalg.norm(np.cross(felt, normals), axis=1)
+        angles.append(np.arctan2(sine, np.einsum("ki,ki->k", felt, normals)))
+    return np.concatenate(distances), np.concatenate(angles)
+
+
+@pytest.mark.parametrize("friction", [0.2, 0.4, 0.6])
+def test_load_cells_place_contacts(friction: float) -> None:
+    distances, angles = errors(f"scene.friction={friction}")
+    assert np.percentile(distances, 95) < 1e-3
+    assert np.degrees(np.percentile(angles, 95)) < 2.0
+    assert distances.max() > 0.0  # it is sensed, not copied
+
+
+def test_exact_sensing_is_exact() -> None:
+    distances, angles = errors("scene.sensing=exact")
+    assert distances.max() == 0.0
+    assert angles.max() == 0.0
