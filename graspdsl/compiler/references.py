@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from graspdsl.basis.potentials import Potential
 from graspdsl.basis.resources import ContactSet, JointSet
-from graspdsl.basis.sensors import SENSORS
+from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import DISPLACES, TaskSpace
-from graspdsl.compiler.graph import ControllerReference, Reference, SensorReference, VectorReference
+from graspdsl.compiler.complaints import Complaints
+from graspdsl.compiler.graph import ControllerGraph, ControllerReference, Reference, SensorReference, VectorReference
 from graspdsl.diagnostics import Span, known_names_hint, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
 
-if TYPE_CHECKING:
-    from graspdsl.basis.potentials import Potential
-    from graspdsl.compiler.check import Checker
+
+class ExpressionCheck(Protocol):
+    """What the check of references asks of the checker of expressions, which a reference may hold."""
+
+    complaints: Complaints
+
+    def expression(self, tree: syntax.Expression) -> ControllerGraph | None:
+        """The graph of an expression; None after a complaint."""
+        ...
+
+    def sensor(self, name: syntax.Name) -> Sensor | None:
+        """The sensor transform of a name."""
+        ...
+
+    def sensed(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
+        """The resources of a sensor transform."""
+        ...
 
 
 class ReferenceCheck:
     """Checks the references of one spec's controllers."""
 
-    def __init__(self, checker: Checker, parameters: Mapping[str, tuple[float, ...] | None]) -> None:
+    def __init__(self, checker: ExpressionCheck, parameters: Mapping[str, tuple[float, ...] | None]) -> None:
         self._checker, self._complaints, self._parameters = checker, checker.complaints, parameters
 
     def reference(
