@@ -19,7 +19,8 @@ LEAK_WORTH_COUNTING = 1e-6
 
 @dataclass(slots=True)
 class Logbook:
-    """The trajectory of one trial and its running numbers. ``levels``: the most leaks that a tick has to tell of."""
+    """The trajectory of one trial and its running numbers. ``levels``: the most leaks that a tick has to tell of;
+    ``world_s``: the world's time [s] at the last tick."""
 
     origin: Array
     levels: int = 0
@@ -27,6 +28,7 @@ class Logbook:
     measures: list[GraspMeasure] = field(default_factory=list)
     first_touch: int | None = None
     held_since: int | None = None
+    world_s: float = 0.0
     shift: float = 0.0
     lean: float = 0.0
     contact_forces: tuple[float, ...] = ()
@@ -42,6 +44,7 @@ class Logbook:
         if self.first_touch is None and observation.touching[list(grasp.contacts)].all():
             self.first_touch = len(self.measures)
         self.measures.append(now)
+        self.world_s = observation.time
         self.shift = float(np.linalg.norm(truth.object_position - self.origin))
         self.lean = truth.object_lean
         forces = np.einsum("ki,ki->k", np.nan_to_num(truth.forces), normals)
@@ -91,11 +94,6 @@ class Logbook:
     def samples(self) -> int:
         """Tactile readings that the controller used from the first touch of all contacts on."""
         return 0 if self.first_touch is None else len(self.measures) - self.first_touch
-
-    @property
-    def world_s(self) -> float:
-        """Time [s] of the world from the start to the last tick."""
-        return float(self.rows["time"][-1]) if self.rows else 0.0
 
     @property
     def ticks(self) -> int:
