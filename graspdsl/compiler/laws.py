@@ -83,6 +83,7 @@ class Laws:
         name, unit = node.potential.symbol, "m/N"
         if node.potential.space is TaskSpace.MOMENT:
             admittance, unit = admittance / self._control.curvature_radius**2, "1/(N·m)"
+            fastest /= self._control.curvature_radius
         check = partial(operations.row_touches, self._transforms.mixing(resources))
         touching = build.apply("touch(Γ)", "1 for each resource that touches", check, read("touching"))
         rows = build.apply(f"∇{name}(Γ)", "by resource", operations.by_contact, slope)

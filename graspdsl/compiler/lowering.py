@@ -22,11 +22,20 @@ from graspdsl.compiler.transforms import Transforms
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A lowered controller: the steps of its displacement −k∇ and of the Jacobian of its task."""
+    """A lowered controller: the steps of its displacement −k∇ and of the Jacobian of its task.
+
+    ``within``: the levels of a chain that stands in brackets or behind a name; what is lower must spare each of them.
+    """
 
     label: str
     displacement: int
     task: int
+    within: tuple[Level, ...] = ()
+
+    @property
+    def single(self) -> tuple[Level, ...]:
+        """The levels without chains: those within, or this one."""
+        return self.within or (self,)
 
 
 def compile_controller(graph: ControllerGraph, grasp: ContactSet, target: Target) -> Pipeline:
@@ -60,7 +69,8 @@ class _Lowering:
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
         outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]
-        outputs += self._force_errors[:1]
+        force_error = self._largest_force_error()
+        outputs += [] if force_error is None else [force_error]
         steps, number = self._build.needed(outputs)
         return Pipeline(
             steps=steps,
@@ -70,8 +80,16 @@ class _Lowering:
             moment_residual=number[moment_residual],
             leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
             ranks=tuple(number[rank] for rank in self._ranks),
-            force_error=number[self._force_errors[0]] if self._force_errors else None,
+            force_error=None if force_error is None else number[force_error],
         )
+
+    def _largest_force_error(self) -> int | None:
+        if not self._force_errors:
+            return None
+        largest, *others = self._force_errors
+        for other in others:
+            largest = self._build.apply("max", "of all force controllers [N]", np.maximum, largest, other)
+        return largest
 
     def _motion(self, graph: ControllerGraph) -> int:
         """The displacement of a whole controller; joints are scaled back from their working coordinates."""
@@ -89,7 +107,7 @@ class _Lowering:
         by_task = self._control.nullspace == "task"
         project = operations.task_projector if by_task else operations.gradient_projector
         highest, *lower = (self._level(term) for term in reversed(graph.terms))
-        above, total = [highest], highest.displacement
+        above, total = list(highest.single), highest.displacement
         for level in lower:
             felt = [higher.task if by_task else higher.displacement for higher in above]
             names = ", ".join(("τ " if by_task else "∇") + higher.label for higher in above)
@@ -103,10 +121,11 @@ class _Lowering:
             for higher, step in zip(above, felt, strict=True):
                 self._certify(level, higher, step, projected)
             total = self._build.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)
-            above.append(level)
+            above += level.single
         tasks = [level.task for level in above]
         task = self._build.apply("τ", "the tasks of all levels", operations.stacked, *tasks)
-        return Level(f"({' ◁ '.join(level.label for level in reversed(above))})", total, task)
+        label = f"({' ◁ '.join(level.label for level in reversed(above))})"
+        return Level(label, total, task, tuple(above))
 
     def _certify(self, lower: Level, higher: Level, felt: int, projected: int) -> None:
         measure = operations.leak if self._control.nullspace == "task" else operations.gradient_leak

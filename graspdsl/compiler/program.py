@@ -79,7 +79,7 @@ class Program:
         """The compiled stages of every phase."""
         target = self.target
         return tuple(
-            tuple(compile_controller(executable(stage), phase.grasp, target) for stage in phase.stages)
+            tuple(compile_controller(executable(stage, self.probes), phase.grasp, target) for stage in phase.stages)
             for phase in self.phases
         )
 
@@ -235,8 +235,20 @@ class _ProgramCheck:
                 )
 
 
-def executable(graph: ControllerGraph) -> ControllerGraph:
-    """A controller as a world carries it out: rotations of contacts as references of φ_r, as Eq. 4.41 has it."""
+def _slides(node: ControllerNode) -> bool:
+    """Whether a controller moves contacts over a surface, as another one tells it to."""
+    return node.potential.space is TaskSpace.POSITION and isinstance(node.reference, ControllerReference)
+
+
+def executable(graph: ControllerGraph, probes: bool = False) -> ControllerGraph:
+    """A controller as a world carries it out.
+
+    Rotations of contacts become references of φ_r, as Eq. 4.41 has it. Where contacts are displaced by probing, a
+    controller that slides them is what moves its reference: a probe presses by touching (Sec. 4.1.2, 4.3.3).
+    """
+    sliding = [node.reference for node in controllers_in(graph) if probes and _slides(node)]
+    if sliding and isinstance(sliding[0], ControllerReference):
+        return sliding[0].controller
     if graph.gradient_space is not GradientSpace.ROTATION:
         return graph
     moved = next(n.effector_resources for n in controllers_in(graph) if n.gradient_space is GradientSpace.ROTATION)

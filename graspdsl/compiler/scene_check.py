@@ -9,6 +9,7 @@ from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
+HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
 SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
 
 
@@ -26,6 +27,7 @@ class _Check:
         self._document, self._complaints, self._world = document, complaints, world
 
     def all(self) -> None:
+        self._without_effect()
         self._shape()
         self._hand()
         self._centre_of_mass()
@@ -37,6 +39,25 @@ class _Check:
         if chosen is not None and (chosen == "surface") != self._world.floats:
             hint = "write approach: surface, or leave it out" if self._world.floats else "use side or top"
             self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
+
+    def _without_effect(self) -> None:
+        """Warn of settings that the scene passes over."""
+        start: Path = ("trials", "start")
+        given = _value(self._document, start)
+        names = given if isinstance(given, dict) else {}
+        idle = HAND_STARTS if self._world.floats else ("height",) if names.get("approach") == "top" else ()
+        for name in idle:
+            if name in names:
+                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
+                self._warn(f"{name} has no effect: {where}", (*start, name))
+        if self._world.floats and _value(self._document, ("scene", "friction")) is not None:
+            self._warn("friction has no effect: floating contacts have none", ("scene", "friction"))
+        if _value(self._document, ("evaluate",)):
+            self._warn("evaluate has no effect in this version", ("evaluate",))
+
+    def _warn(self, message: str, path: Path) -> None:
+        self._complaints.about(path)
+        self._complaints.warning("no-effect", message, self._document.key_span(path), "leave it out")
 
     def _shape(self) -> None:
         thing = _value(self._document, ("scene", "object"))

@@ -10,6 +10,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.report.statistics import wilson
+from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import RunFolder
@@ -84,7 +85,7 @@ def _pairs(
     first: tuple[RunFolder, list[TrialRecord]], other: tuple[RunFolder, list[TrialRecord]]
 ) -> list[tuple[TrialRecord, TrialRecord]]:
     """Converged trials of the same number that began alike."""
-    if first[0].manifest.seed != other[0].manifest.seed:
+    if first[0].manifest.seed != other[0].manifest.seed or _scene(first[0]) != _scene(other[0]):
         return []
     known = {record.number: record for record in _converged(first[1])}
     return [
@@ -92,6 +93,13 @@ def _pairs(
         for record in _converged(other[1])
         if record.number in known and known[record.number].start == record.start
     ]
+
+
+def _scene(folder: RunFolder) -> tuple[object, ...]:
+    """What, besides the seed, makes starts equal: the same robot before the same object."""
+    manifest = folder.manifest
+    scene = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec.scene
+    return scene.world, scene.hand, scene.mount, scene.object
 
 
 def _converged(records: Sequence[TrialRecord]) -> list[TrialRecord]:

@@ -27,6 +27,7 @@ class Logbook:
     rows: dict[str, list[Float32Array]] = field(default_factory=dict)
     measures: list[GraspMeasure] = field(default_factory=list)
     first_touch: int | None = None
+    control_start: int | None = None
     held_since: int | None = None
     world_s: float = 0.0
     shift: float = 0.0
@@ -34,15 +35,20 @@ class Logbook:
     contact_forces: tuple[float, ...] = ()
     largest_leak: float = 0.0
     leaking_ticks: int = 0
+    _touch_phase: int = 0
     _point_errors: list[Array] = field(default_factory=list)
     _normal_errors: list[Array] = field(default_factory=list)
 
     def write(self, phase: int, grasp: ContactSet, observation: Observation, truth: Truth, tick: Tick) -> GraspMeasure:
         """Write one tick down; returns the measure of the grasp."""
+        if self.measures and observation.time == self.world_s:
+            self._forget_last()  # the same observation again, seen by the next controller
         now = measure(observation, truth, grasp)
         points, normals = true_contacts(observation, truth)
         if self.first_touch is None and observation.touching[list(grasp.contacts)].all():
-            self.first_touch = len(self.measures)
+            self.first_touch, self._touch_phase = len(self.measures), phase
+        if self.control_start is None and self.first_touch is not None and phase > self._touch_phase:
+            self.control_start = len(self.measures)
         self.measures.append(now)
         self.world_s = observation.time
         self.shift = float(np.linalg.norm(truth.object_position - self.origin))
@@ -92,20 +98,30 @@ class Logbook:
 
     @property
     def samples(self) -> int:
-        """Tactile readings that the controller used from the first touch of all contacts on."""
-        return 0 if self.first_touch is None else len(self.measures) - self.first_touch
+        """Tactile readings that the controller used."""
+        begun = self._begun
+        return 0 if begun is None else len(self.measures) - begun
 
     @property
     def ticks(self) -> int:
-        """Ticks from the first touch of all contacts to the end."""
-        return 0 if self.first_touch is None else len(self.measures) - 1 - self.first_touch
+        """Ticks or probes of the controller to the end."""
+        return max(0, self.samples - 1)
 
     @property
     def ticks_to_converge(self) -> int | None:
-        """Ticks from the first touch of all contacts until the end conditions began to hold for good."""
-        if self.first_touch is None or self.held_since is None:
-            return None
-        return max(0, self.held_since - self.first_touch)
+        """Ticks or probes of the controller until the end conditions began to hold for good."""
+        begun = self._begun
+        return None if begun is None or self.held_since is None else max(0, self.held_since - begun)
+
+    @property
+    def _begun(self) -> int | None:
+        """The row at which the controller takes over from the close, or of the first touch where there is only one."""
+        return self.first_touch if self.control_start is None else self.control_start
+
+    def _forget_last(self) -> None:
+        del self.measures[-1], self._point_errors[-1], self._normal_errors[-1]
+        for rows in self.rows.values():
+            del rows[-1]
 
     def point_error(self) -> tuple[float, float]:
         """Median and 95th percentile of the distance [m] of sensed from true contact points."""

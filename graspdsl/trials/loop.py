@@ -28,7 +28,7 @@ PROBES_STALLED = 15
 
 def versions() -> dict[str, str]:
     """The versions of what a trial's numbers depend on."""
-    return {name: metadata.version(name) for name in ("graspdsl", "numpy", "pybullet")}
+    return {name: metadata.version(name) for name in ("graspdsl", "numpy", "pybullet", "scipy")}
 
 
 def identity(program: Program, number: int, seed: int) -> str:

@@ -15,10 +15,11 @@ class TrialRecord:
     """One trial. Lengths in m, angles in rad, forces in N, times in s; NaN where there was nothing to measure.
 
     ``start`` is what was drawn, ``redraws`` how many starts the world could not take up before it. *_start is measured
-    at the first tick at which every contact touches, *_end at the last tick. ``ticks`` counts from that first touch to
-    the end, ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where
-    contacts are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller
-    used: one a tick, or one a probe.
+    at the first tick at which every contact touches (the first tick of all where that never came), *_end at the last
+    tick. ``ticks`` counts from where the controller takes over from the guarded close to the end,
+    ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where contacts
+    are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a
+    tick, or one a probe.
     """
 
     number: int

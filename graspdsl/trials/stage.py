@@ -8,10 +8,9 @@ from typing import Protocol
 
 import numpy as np
 
-from graspdsl.basis.spaces import TaskSpace
 from graspdsl.compiler.graph import ControllerGraph, controllers_in
 from graspdsl.compiler.pipeline import Pipeline, Tick
-from graspdsl.compiler.program import CheckedPhase
+from graspdsl.compiler.program import CONDITIONS, CheckedPhase
 from graspdsl.spec.program import Until
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors
@@ -49,7 +48,8 @@ class Stage:
 
     def run(self, pipeline: Pipeline, observation: Observation) -> StageEnd:
         """Run to the end of the stage."""
-        closing = self.until.contact is not None
+        waits_for_residual = not (self.until.force_residual is None and self.until.moment_residual is None)
+        touched = self.until.contact is None
         held_from: float | None = None
         while True:
             tick, truth = pipeline.evaluate(observation), self.world.truth()
@@ -58,14 +58,19 @@ class Stage:
                 held_from, self.log.held_since = None, None
             elif held_from is None:
                 held_from, self.log.held_since = observation.time, len(self.log.measures) - 1
+            touched = touched or bool(observation.touching[list(self.phase.grasp.contacts)].all())
+            verdict = self.monitors.watch(observation, truth, self.log.shift)
+            if verdict is None and touched:
+                verdict = self.monitors.watch_contacts(observation)
+            if verdict is not None:
+                return StageEnd(observation, verdict)
             if held_from is not None and observation.time - held_from >= self.until.hold - ROUNDING:
                 return StageEnd(observation)
             for earlier, condition in enumerate(self.before):
-                if not self._met(condition, observation, tick):
+                if not _low(condition, tick):
                     return StageEnd(observation, back_to=earlier)
-            verdict = self.monitors.watch(observation, truth, self.log.shift)
-            if verdict is None and not closing:
-                verdict = self.monitors.watch_contacts(observation) or self.monitors.watch_progress(now)
+            if waits_for_residual:
+                verdict = self.monitors.watch_progress(now)
             if verdict is None and observation.time >= self.deadline - ROUNDING:
                 verdict = Verdict(Outcome.TIMEOUT)
             if verdict is not None:
@@ -73,24 +78,24 @@ class Stage:
             observation = self.world.step(tick.command)
 
     def _met(self, until: Until, observation: Observation, tick: Tick) -> bool:
-        """Whether end conditions hold, as the hand senses them."""
-        force, moment = np.linalg.norm(tick.force_residual), np.linalg.norm(tick.moment_residual)
-        touching = bool(observation.touching[list(self.phase.grasp.contacts)].all())
-        return (
-            touching
-            and (until.force_residual is None or bool(force < until.force_residual))
-            and (until.moment_residual is None or bool(moment < until.moment_residual))
-            and (until.force_error is None or bool(tick.force_error < until.force_error))
-        )
+        """Whether end conditions hold, as the hand senses them: every contact touches and what is bounded is low."""
+        return bool(observation.touching[list(self.phase.grasp.contacts)].all()) and _low(until, tick)
+
+
+def _low(until: Until, tick: Tick) -> bool:
+    """Whether residuals and force error are below their bounds, those that are given and can be measured."""
+    measured = {
+        "force_residual": float(np.linalg.norm(tick.force_residual)),
+        "moment_residual": float(np.linalg.norm(tick.moment_residual)),
+        "force_error": tick.force_error,
+    }
+    return not any(value >= bound for name, value in measured.items() if (bound := getattr(until, name)) is not None)
 
 
 def until_of(stage: ControllerGraph, until: Until) -> Until:
-    """The part of a phase's end conditions that a stage can meet: those on the residuals it lowers."""
+    """The part of a phase's end conditions that a stage can meet: those on what its potentials lower."""
     spaces = {node.potential.space for node in controllers_in(stage)}
-    kept = {
-        "force_residual": until.force_residual if TaskSpace.NET_FORCE in spaces else None,
-        "moment_residual": until.moment_residual if TaskSpace.NET_MOMENT in spaces else None,
-    }
+    kept = {name: getattr(until, name) for name, (lowering, _) in CONDITIONS.items() if lowering & spaces}
     conditions = kept if any(kept.values()) else {"contact": "all"}
     return Until.model_validate({**conditions, "hold": until.hold})
 

@@ -74,7 +74,7 @@ class Truth:
 
     points, normals (into the object), forces (on the object): (k, 3), NaN where a contact does not touch.
     object_position: (3,) centre of mass [m]; object_axis: (3,) the body's major axis; object_lean [rad]: how far the
-    axis has turned from its start. palm: something other than a fingertip touches the object, by link name.
+    axis has turned from its start. touching_links: what else than fingertips presses on the object, by link name.
     """
 
     points: Array

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from graspdsl.compiler.explain import explained
-from graspdsl.compiler.program import default_target, examine_expression
+from graspdsl.compiler.program import default_target, examine_expression, program_of
 
 PLAIN = "{γ1, γ2, γ3}"
 
@@ -26,3 +28,12 @@ def test_where_projection_acts_nothing_is_said(formula: str) -> None:
     """A virtual contact, fewer contacts moved than sensed, gravity, or no ◁ of residuals."""
     phase, _ = examine_expression(formula)
     assert explained(phase, default_target()).notes() == []
+
+
+def test_one_word_turns_sliding_into_probing() -> None:
+    """Under probing, a controller that slides contacts is carried out as what moves its reference."""
+    text = (Path(__file__).resolve().parents[2] / "specs/towel_roll_two_contacts.yaml").read_text("utf-8")
+    sliding = program_of(text, "spec").pipelines()
+    probing = program_of(text, "spec", ("control.displacement=probing",)).pipelines()
+    assert [pipeline.space for (pipeline,) in sliding] == ["q", "q"]
+    assert [pipeline.space for (pipeline,) in probing] == ["q", "x"]

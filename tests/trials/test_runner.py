@@ -73,6 +73,6 @@ def test_results_of_other_versions_are_not_mixed(folder: RunFolder) -> None:
     versions = {"graspdsl": "0.0.1", "numpy": "1"}
     folder.manifest = dataclasses.replace(folder.manifest, asked=COUNT, versions=versions)
     before = table.read_bytes()
-    with pytest.raises(DiagnosticError, match=r"this run was made with graspdsl 0\.0\.1, numpy 1 and pybullet of no"):
+    with pytest.raises(DiagnosticError, match=r"this run was made with graspdsl 0\.0\.1, numpy 1, pybullet of no"):
         execute(folder, 1)
     assert table.read_bytes() == before

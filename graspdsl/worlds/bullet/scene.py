@@ -38,6 +38,7 @@ class Scene:
         self.table = self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in TABLE_SIZE]}, 0.0, WOOD)
         self._move(self.table, -TABLE_SIZE[2] / 2 - (OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0))
         self.mass = body.mass
+        self._rolls = isinstance(body.shape, Sphere)
         self.object = self._object(body if anchor is not Anchor.WORLD else replace(body, mass=0.0))
         self._move(self.object, body.shape.extent[2] / 2)
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
@@ -98,7 +99,9 @@ class Scene:
         return np.array(position), rotation_matrix(quaternion)[:, 2]
 
     def lean(self) -> float:
-        """The angle [rad] between the object's axis now and at rest."""
+        """The angle [rad] between the object's axis now and at rest; a ball may roll and never leans."""
+        if self._rolls:
+            return 0.0
         _, axis = self.object_pose()
         return math.acos(min(1.0, max(-1.0, float(axis @ self._rest_axis))))
 

@@ -36,14 +36,13 @@ class Reading(NamedTuple):
 class Fingertips:
     """The tactile sensors of all fingertips, with their memory: taring, touch hysteresis, the last normals."""
 
-    def __init__(self, hand: BulletHand, scene: Scene, settings: TouchSettings, gravity: float, seed: int) -> None:
+    def __init__(self, hand: BulletHand, scene: Scene, settings: TouchSettings, gravity: float) -> None:
         self._hand, self._scene, self._settings = hand, scene, settings
         self._weight = np.array([0.0, 0.0, -gravity])
         count = len(hand.tips)
         self._zero = np.zeros((count, 6))
         self._touching = np.zeros(count, dtype=bool)
         self._last_normal: list[Array | None] = [None] * count
-        self._random = np.random.default_rng(seed)
         joints = list(hand.robot.joints)
         self._closing = [
             np.array([hand.robot.joints[j].closes if j in contact.finger else 0 for j in joints], dtype=float)

@@ -59,6 +59,7 @@ class BulletWorld:
 
     def reset(self, start: Start, seed: int) -> Observation:
         """Build the scene, put the hand at the start, its fingers about to touch, and tare."""
+        del seed  # nothing is random here
         self.close()
         engine = self._engine
         with silenced():
@@ -76,7 +77,7 @@ class BulletWorld:
         if self.settings.anchor is Anchor.HAND:
             self._scene.attach(self.hand)
         self._ticks = 0
-        self._tips = Fingertips(self.hand, self._scene, self.settings.touch, self.settings.gravity, seed)
+        self._tips = Fingertips(self.hand, self._scene, self.settings.touch, self.settings.gravity)
         for _ in range(SETTLE_TICKS):
             self._simulate()
         self.tare()
