@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import hands
-from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue
+from graspdsl.objects.floating_surface import surface_of
+from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue, shape_from
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
+from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
@@ -20,6 +22,21 @@ def check_scene(document: Document, complaints: Complaints) -> None:
     if world is None:
         return
     _Check(document, complaints, world).all()
+
+
+def check_floating_shape(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Complain about a shape whose sizes do not go together, so that contacts could not float on it."""
+    thing = spec.scene.object
+    if isinstance(thing, str) or thing.shape is None or not WORLDS[spec.scene.world].floats or thing.box is not None:
+        return
+    kind, fields = thing.shape
+    try:
+        surface_of(shape_from({kind: fields}))
+    except ValueError as error:
+        path: Path = ("scene", "object", kind)
+        complaints.about(path)
+        message = f"there is no such {kind}: {error}"
+        complaints.error("impossible-shape", message, document.span(path), "make its sizes and roundings fit together")
 
 
 class _Check:

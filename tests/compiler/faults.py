@@ -85,6 +85,10 @@ WORLDS = (
     _formula("surface coordinates in bullet, sliding", "π_g|Γ Γ"),
     _formula("rotations in bullet, without a held object", "π_gθ|Γ Γ"),
     Case("moments about an object that is not held", spec(control="origin: object")),
+    _floating(
+        "a cylinder with edges larger than itself",
+        scene="object: {cylinder: {diameter: 0.1, height: 0.2, edge: 0.4}}",
+    ),
     _floating("a start of a hand in the floating world", start="roll: 0.3"),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
 )

@@ -29,7 +29,9 @@ class Bottle(Revolution):
 
     @cached_property
     def profile(self) -> Profile:
-        """Bottom, body, shoulder, neck and top, with four rounded corners [m]."""
+        """Bottom, body, shoulder, neck and top, with four rounded corners [m]. Raises ValueError if they do not fit."""
+        if self.neck_diameter >= self.diameter:
+            raise ValueError("the neck is as wide as the body or wider")
         body, neck, low, high = self.diameter / 2, self.neck_diameter / 2, -self.height / 2, self.height / 2
         shoulder_ends = (body, low + self.body_height), (neck, high - self.neck_height)
         corners = ((0.0, low), (body, low), *shoulder_ends, (neck, high), (0.0, high))
