@@ -12,43 +12,58 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, model_validator
+
+from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
+from graspdsl.spec.fields import Model
 
 HERE = Path(__file__).parent
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Joint(_Frozen):
+class Joint(Model):
     """An actuated joint. ``weight`` [m or rad per m] scales it in gradient space: about one over its lever."""
 
     weight: float = Field(gt=0)
     closes: int = Field(0, ge=-1, le=1, description="sign of the motion that closes the hand; 0: it does not")
 
 
-class Coupling(_Frozen):
+class Coupling(Model):
     """A joint that follows an actuated one: angle = ratio · angle of ``follows``."""
 
     follows: str
     ratio: float
 
 
-class Contact(_Frozen):
-    """A fingertip: its link, the load cell's fixed joint before it, its sphere in the link's frame [m].
+class Contact(Model):
+    """A fingertip: its link, the load cell's fixed joint before it, its one shape.
 
     A contact of a hand without a model has none of these.
     """
 
     link: str = ""
     cell: str = ""
-    centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    radius: float = Field(0.0, ge=0)
+    sphere: SphereTip | None = None
+    ellipsoid: EllipsoidTip | None = None
+    capsule: CapsuleTip | None = None
     finger: tuple[str, ...] = Field((), description="the joints of its own finger, which open and close it")
 
+    @model_validator(mode="after")
+    def _one_shape(self) -> Contact:
+        shapes = [shape for shape in (self.sphere, self.ellipsoid, self.capsule) if shape is not None]
+        if len(shapes) != bool(self.link):
+            raise ValueError("a fingertip with a link has exactly one shape: sphere, ellipsoid or capsule")
+        return self
 
-class Hand(_Frozen):
+    @property
+    def shape(self) -> FingertipShape:
+        """The fingertip's shape. Raises ValueError for a contact without a model."""
+        shape = self.sphere or self.ellipsoid or self.capsule
+        if shape is None:
+            raise ValueError("a bare contact has no fingertip")
+        return shape
+
+
+class Hand(Model):
     """A hand description file. Without a ``urdf`` it is bare contacts, for the floating world."""
 
     hand: str
@@ -57,14 +72,14 @@ class Hand(_Frozen):
     root: str = ""
     palm: str = ""
     palm_surface: float = Field(0.0, description="m ahead of the mounting face, along its z axis")
-    joints: dict[str, Joint] = {}
-    couplings: dict[str, Coupling] = {}
+    joints: dict[str, Joint] = Field(default={})
+    couplings: dict[str, Coupling] = Field(default={})
     contacts: dict[str, Contact]
-    joint_sets: dict[str, tuple[str, ...]] = {}
-    postures: dict[str, dict[str, float]] = {}
+    joint_sets: dict[str, tuple[str, ...]] = Field(default={})
+    postures: dict[str, dict[str, float]] = Field(default={})
 
 
-class Mount(_Frozen):
+class Mount(Model):
     """A mount description file: what carries the hand."""
 
     mount: str
@@ -72,10 +87,10 @@ class Mount(_Frozen):
     urdf: str
     face: str
     joints: dict[str, Joint]
-    joint_sets: dict[str, tuple[str, ...]] = {}
+    joint_sets: dict[str, tuple[str, ...]] = Field(default={})
 
 
-class Robot(_Frozen):
+class Robot(Model):
     """A hand on a mount: the joints of both in command order, mount first."""
 
     hand: Hand

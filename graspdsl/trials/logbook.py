@@ -80,6 +80,7 @@ class Logbook:
             "normals": normals,
             "forces": truth.forces,
             "object_position": truth.object_position,
+            "object_rotation": truth.object_rotation,
             "object_axis": truth.object_axis,
         }
         for name, value in row.items():

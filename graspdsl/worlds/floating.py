@@ -79,6 +79,7 @@ class FloatingWorld:
             normals=-self._surface.normals(self._points),
             forces=np.zeros_like(self._points),
             object_position=np.zeros(3),
+            object_rotation=np.eye(3),
             object_axis=AXIS,
             object_lean=0.0,
             touching_links=(),

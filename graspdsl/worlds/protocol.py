@@ -73,14 +73,16 @@ class Truth:
     """The simulator's own account of one tick, for monitors, graders and tests.
 
     points, normals (into the object), forces (on the object): (k, 3), NaN where a contact does not touch.
-    object_position: (3,) centre of mass [m]; object_axis: (3,) the body's major axis; object_lean [rad]: how far the
-    axis has turned from its start. touching_links: what else than fingertips presses on the object, by link name.
+    object_position: (3,) centre of mass [m]; object_rotation: (3, 3) of its body frame; object_axis: (3,) the body's
+    major axis; object_lean [rad]: how far it has tilted from its start. touching_links: what else than fingertips
+    presses on the object, by link name.
     """
 
     points: Array
     normals: Array
     forces: Array
     object_position: Array
+    object_rotation: Array
     object_axis: Array
     object_lean: float
     touching_links: tuple[str, ...]

@@ -114,6 +114,7 @@ def test_the_truth_agrees_with_what_is_sensed(world_and_space: tuple[WitnessedWo
     touching = np.isfinite(truth.points[:, 0]) & seen.touching
     np.testing.assert_allclose(truth.points[touching], seen.points[touching], atol=1e-3)
     assert np.isclose(np.linalg.norm(truth.object_axis), 1.0)
+    np.testing.assert_allclose(truth.object_rotation @ truth.object_rotation.T, np.eye(3), atol=1e-6)
     assert truth.object_lean < 0.01
     world.close()
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
+from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.worlds.bullet.assembly import assembled_urdf
 
 TIP_STIFFNESS = 1500.0  # N/m: soft fingertips, about a third of a millimetre at 0.5 N
@@ -32,14 +33,14 @@ def rotation_matrix(quaternion: tuple[float, ...]) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Tip:
-    """One fingertip's numbers in the engine: link and load-cell joint, sphere, weight."""
+    """One fingertip's numbers in the engine: link and load-cell joint, shape, weight."""
 
     link: int
     cell: int
-    centre: Array
-    radius: float
+    shape: FingertipShape
+    centre: Array  # of the shape, link frame
     mass: float
-    weight_lever: Array  # centre of mass from the sphere's centre, link frame
+    weight_lever: Array  # centre of mass from the shape's centre, link frame
 
 
 class BulletHand:
@@ -131,12 +132,12 @@ class BulletHand:
         description = self.robot.hand.contacts[contact]
         link = self.link_index[description.link]
         dynamics = self._engine.getDynamicsInfo(self.body, link, self._client)
-        centre = np.array(description.centre)
+        centre = np.array(description.shape.centre)
         return Tip(
             link=link,
             cell=self.joint_index[description.cell],
+            shape=description.shape,
             centre=centre,
-            radius=description.radius,
             mass=dynamics[0],
             weight_lever=np.array(dynamics[3]) - centre,
         )

@@ -91,18 +91,18 @@ class Scene:
 
     def mark_rest(self) -> None:
         """Take the object's present pose as the one it is compared with."""
-        self._rest_position, self._rest_axis = self.object_pose()
+        self._rest_axis = self.object_pose()[1][:, 2]
 
     def object_pose(self) -> tuple[Array, Array]:
-        """The object's centre of mass (3,) [m] and its major axis (3,)."""
+        """The object's centre of mass (3,) [m] and the rotation (3, 3) of its body frame."""
         position, quaternion = self._engine.getBasePositionAndOrientation(self.object, self._client)
-        return np.array(position), rotation_matrix(quaternion)[:, 2]
+        return np.array(position), rotation_matrix(quaternion)
 
     def lean(self) -> float:
         """The angle [rad] between the object's axis now and at rest; a ball may roll and never leans."""
         if self._rolls:
             return 0.0
-        _, axis = self.object_pose()
+        axis = self.object_pose()[1][:, 2]
         return math.acos(min(1.0, max(-1.0, float(axis @ self._rest_axis))))
 
     def clearance(self, hand: int, links: set[int] | None, within: float) -> float:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
+from graspdsl.hands.fingertips import SphereTip
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.load_cell import sphere_contact
@@ -91,10 +92,11 @@ class Fingertips:
                 if exact:
                     place = rotation.T @ (points[i] - origin)
                 else:
-                    radial = sphere_contact(loads[i][:3], loads[i][3:], tip.radius)
+                    radius = tip.shape.radius if isinstance(tip.shape, SphereTip) else 0.0
+                    radial = sphere_contact(loads[i][:3], loads[i][3:], radius)
                     place = tip.centre + radial
                     points[i] = origin + rotation @ place
-                    normals[i] = rotation @ radial / tip.radius
+                    normals[i] = rotation @ radial / radius
                     forces[i] = -rotation @ loads[i][:3]
                 self._last_normal[i] = normals[i]
             else:

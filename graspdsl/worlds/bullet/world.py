@@ -171,13 +171,14 @@ class BulletWorld:
     def truth(self) -> Truth:
         """The simulator's own account of the present tick."""
         points, normals, forces = self._scene.tip_contacts(self.hand)
-        position, axis = self._scene.object_pose()
+        position, rotation = self._scene.object_pose()
         return Truth(
             points=points,
             normals=normals,
             forces=forces,
             object_position=position,
-            object_axis=axis,
+            object_rotation=rotation,
+            object_axis=rotation[:, 2],
             object_lean=self._scene.lean(),
             touching_links=self._scene.other_links(self.hand),
         )
