@@ -99,7 +99,8 @@ class BulletWorld:
         another link, or not at all.
         """
         robot = self.settings.robot
-        opened = np.array([robot.hand.postures["open"].get(name, 0.0) for name in robot.joints])
+        known = {**robot.hand.postures["open"], **start.posture}
+        opened = np.array([known.get(name, 0.0) for name in robot.joints])
         if robot.mount.base is None:
             return self._standing_free([self._preshape(opened)])
         reaching = ArmReach(self.hand, start.position, start.rotation, self.info.lower, self.info.upper)
