@@ -89,8 +89,8 @@ class Base(Model):
 class Mount(Model):
     """A mount description file: what carries the hand.
 
-    With a ``base`` it is an arm that stands there and reaches for the start pose, its search for joint angles begun
-    from each of its ``postures``. Without, its root stands wherever a trial starts, all its joints at zero.
+    With a ``base`` it is an arm that stands there and reaches for the start pose. Without, its root stands wherever a
+    trial starts, all its joints at zero.
     """
 
     mount: str
@@ -99,7 +99,6 @@ class Mount(Model):
     face: str
     base: Base | None = None
     joints: dict[str, Joint]
-    postures: dict[str, dict[str, float]] = Field(default={})
     joint_sets: dict[str, tuple[str, ...]] = Field(default={})
 
 

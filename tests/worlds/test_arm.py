@@ -72,15 +72,25 @@ def test_kinematics_follow_the_table(world: BulletWorld, seed: int) -> None:
 @pytest.mark.parametrize("roll", [-1.5, -0.6, 0.0, 0.8, 1.4])
 def test_inverse_kinematics_reaches_within_the_limits(world: BulletWorld, approach: str, roll: float) -> None:
     start = pose(approach, {**LEVEL, "roll": roll, "height": 0.12, "standoff": 0.06}, ROLL, ARM.hand.palm_surface)
-    found = ArmReach(world.hand, start.position, start.rotation, LOWER, UPPER).postures(np.zeros(len(LOWER)))
+    reach = ArmReach(world.hand, start.position, start.rotation, LOWER, UPPER)
+    found = reach.postures(np.zeros(len(LOWER)))
     assert found
     for joints in found:
         assert ((joints >= LOWER) & (joints <= UPPER)).all()
         reached = face_by_the_table(joints[:ARM_JOINTS])
         np.testing.assert_allclose(reached[:3, 3], start.position, atol=2e-4)
         np.testing.assert_allclose(reached[:3, :3], start.rotation, atol=4e-4)
-    margins = [np.minimum(joints - LOWER, UPPER - joints)[:ARM_JOINTS].min() for joints in found]
-    assert margins == sorted(margins, reverse=True)
+    freedom = [reach.dexterity(joints) for joints in found]
+    assert freedom == sorted(freedom, reverse=True)
+    assert freedom[0] > 0.05
+
+
+def test_a_singular_arm_or_one_at_a_limit_has_no_dexterity(world: BulletWorld) -> None:
+    reach = ArmReach(world.hand, np.zeros(3), np.eye(3), LOWER, UPPER)
+    stretched = np.zeros(len(LOWER))
+    at_limit = np.where(np.arange(len(LOWER)) == 3, UPPER, 0.4)
+    assert reach.dexterity(stretched) == pytest.approx(0.0, abs=1e-6)
+    assert reach.dexterity(at_limit) == 0.0
 
 
 def test_the_hand_stands_where_the_start_says() -> None:

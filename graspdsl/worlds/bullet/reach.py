@@ -15,20 +15,24 @@ from graspdsl.worlds.protocol import InfeasibleStartError
 
 REACHED = 1e-4  # m or rad
 PRECISION = 1e-9  # the engine tells link poses in single precision
-MOST_EVALUATIONS = 60
+MOST_EVALUATIONS = 40
+BEGINNINGS = 16
+GRASP_DEPTH = 0.05  # m ahead of the palm
+NEAR_LIMIT = 0.3  # rad
 
 
 class ArmReach:
     """The joints (n,) that bring the mounting face to a pose, within the limits (n,).
 
-    position: (3,) [m], rotation: (3, 3). The search is begun from each of the mount's postures.
+    position: (3,) [m], rotation: (3, 3). The search is begun from the same places over the joints' ranges each time.
     """
 
     def __init__(self, hand: BulletHand, position: Array, rotation: Array, lower: Array, upper: Array) -> None:
         self._hand, self._position, self._rotation = hand, position, rotation
-        self._lower, self._upper = lower, upper
-        self._names = list(hand.robot.joints)
-        self._mount = np.array([name in hand.robot.mount.joints for name in self._names])
+        self._mount = np.array([name in hand.robot.mount.joints for name in hand.robot.joints])
+        self._lower, self._upper = lower[self._mount], upper[self._mount]
+        random = np.random.default_rng(0)
+        self._beginnings = random.uniform(self._lower, self._upper, size=(BEGINNINGS, len(self._lower)))
 
     def any_posture(self, joints: Array) -> Array:
         """Joints that reach the pose, the fingers as in ``joints`` (n,). Raises InfeasibleStartError."""
@@ -37,19 +41,33 @@ class ArmReach:
         raise InfeasibleStartError("the arm cannot reach the start pose")
 
     def postures(self, joints: Array) -> list[Array]:
-        """All joints found that reach the pose, farthest from a limit of the arm first."""
-        return sorted(self._found(joints), key=self._margin, reverse=True)
+        """All joints found that reach the pose, the most dexterous first."""
+        return sorted(self._found(joints), key=self.dexterity, reverse=True)
+
+    def dexterity(self, joints: Array) -> float:
+        """How freely the arm can move the hand from a posture (n,): 0 at a singularity or a limit.
+
+        The least singular value of the Jacobian of a grasp ahead of the mounting face, in scaled joint coordinates and
+        with rotations over the distance to it, less where a joint comes near to a limit.
+        """
+        self._hand.place(joints)
+        linear, angular = self._hand.face_jacobian()
+        ahead = (self._hand.robot.hand.palm_surface + GRASP_DEPTH) * self._hand.face_frame()[1][:, 2]
+        reach = float(np.linalg.norm(ahead))
+        both = np.vstack([linear - skew(ahead) @ angular, reach * angular])
+        scaled = (both * np.array(self._hand.robot.weights))[:, self._mount]
+        moved = joints[self._mount]
+        margin = float(np.minimum(moved - self._lower, self._upper - moved).min())
+        return float(np.linalg.svd(scaled, compute_uv=False)[-1]) * min(1.0, max(0.0, margin / NEAR_LIMIT))
 
     def _found(self, joints: Array) -> Iterator[Array]:
-        lower, upper = self._lower[self._mount], self._upper[self._mount]
-        for posture in self._hand.robot.mount.postures.values():
-            first = [posture.get(name, 0.0) for name, moved in zip(self._names, self._mount, strict=True) if moved]
-            search = _Search(self._hand, joints, self._mount, self._position, self._rotation)
+        search = _Search(self._hand, joints, self._mount, self._position, self._rotation)
+        for first in self._beginnings:
             solution = least_squares(
                 search.error,
-                np.clip(first, lower, upper),
+                first,
                 search.jacobian,
-                bounds=(lower, upper),
+                bounds=(self._lower, self._upper),
                 xtol=PRECISION,
                 ftol=PRECISION,
                 gtol=PRECISION,
@@ -57,9 +75,6 @@ class ArmReach:
             )
             if np.abs(solution.fun).max() < REACHED:
                 yield search.whole(solution.x)
-
-    def _margin(self, joints: Array) -> float:
-        return float(np.minimum(joints - self._lower, self._upper - joints)[self._mount].min())
 
 
 class _Search:

@@ -13,7 +13,7 @@ from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
 from graspdsl.worlds.bullet.hand import BulletHand, rotation_matrix
 
-TABLE_SIZE = (1.2, 1.2, 0.05)
+TABLE_SIZE = (1.6, 1.6, 0.05)
 OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
 PAPER = (0.93, 0.91, 0.86, 1.0)

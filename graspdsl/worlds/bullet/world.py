@@ -32,6 +32,7 @@ PHYSICS_STEPS = 10  # a tick
 SETTLE_TICKS = 10
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
 CLOSING_STEP = 0.02  # rad
+MOST_AHEAD = 0.05  # rad or m, of a target before its joint
 PRESHAPE = 0.012  # m between a tip and the object when a trial begins
 
 
@@ -157,8 +158,13 @@ class BulletWorld:
         return self._observe()
 
     def _advance(self, displacement: Array) -> None:
-        """One tick with the joints' targets displaced by (n,) [m or rad], within their limits."""
-        self._target = np.clip(self._target + displacement, self.info.lower, self.info.upper)
+        """One tick with the joints' targets displaced by (n,) [m or rad], within their limits.
+
+        A joint that something holds up is not driven ever further ahead of where it is.
+        """
+        now = self.hand.actuated(self.hand.all_joints())
+        near = np.clip(self._target + displacement, now - MOST_AHEAD, now + MOST_AHEAD)
+        self._target = np.clip(near, self.info.lower, self.info.upper)
         self.hand.drive(self._target)
         self._simulate()
         self._ticks += 1
