@@ -68,6 +68,11 @@ def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: fl
     return Start(position, rotation, drawn)
 
 
+def is_fixed(start: StartSpec) -> bool:
+    """Whether every draw is the same: all numbers of the start are given."""
+    return all(isinstance(getattr(start, name), int | float) for name in (*ORIENTATION, *PLACEMENT))
+
+
 def _value(distribution: float | Uniform | Normal | Choice, random: np.random.Generator) -> float:
     match distribution:
         case Uniform(uniform=(low, high)):

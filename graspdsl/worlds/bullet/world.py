@@ -72,6 +72,7 @@ class BulletWorld:
         quaternion = Rotation.from_matrix(start.rotation).as_quat()
         self.hand = BulletHand(engine, client, self.settings.robot, start.position, quaternion, self.settings.friction)
         self._target = self._preshape()
+        self._stopped = np.zeros(len(self.info.joints), dtype=bool)
         self.hand.place(self._target)
         self.hand.drive(self._target)
         if self.settings.anchor is Anchor.HAND:
@@ -128,12 +129,15 @@ class BulletWorld:
         """Displace the joints' targets by the command, within their limits, and simulate one tick."""
         if command.space != "q":
             raise ValueError(f"the bullet world moves joints (q), not {command.space}")
+        self._stopped[:] = False
         self._advance(command.displacement)
         return self._observe()
 
     def _advance(self, displacement: Array) -> None:
         """One tick with the joints' targets displaced by (n,) [m or rad], within their limits."""
-        self._target = np.clip(self._target + displacement, self.info.lower, self.info.upper)
+        wanted = self._target + displacement
+        self._target = np.clip(wanted, self.info.lower, self.info.upper)
+        self._stopped |= wanted != self._target
         self.hand.drive(self._target)
         self._simulate()
         self._ticks += 1
@@ -181,6 +185,10 @@ class BulletWorld:
             object_axis=rotation[:, 2],
             object_lean=self._scene.lean(),
             touching_links=self._scene.other_links(self.hand),
+            table_links=self._scene.table_links(self.hand),
+            stopped_joints=tuple(
+                name for name, is_stopped in zip(self.info.joints, self._stopped, strict=True) if is_stopped
+            ),
         )
 
     def image(self, width: int = 640, height: int = 480) -> Array:
