@@ -16,6 +16,7 @@ from graspdsl.compiler.declarations import Declarations, PhaseEntry, declaration
 from graspdsl.compiler.definitions import definitions_with
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
+from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_floating_shape, check_scene
@@ -104,6 +105,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     check_scene(document, complaints)
     if spec is not None:
         check_floating_shape(spec, document, complaints)
+        check_monitors(spec, document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or has_errors(diagnostics):
         return Examination(None, diagnostics)

@@ -41,20 +41,21 @@ def _progress_form(value: Any) -> str | None:
 
 Patience = Annotated[
     Annotated[Seconds, Field(ge=0.0, le=600.0), form("number")] | StopOrOff,
-    forms("a number (s), stop (at once), on (the default) or off", _bound_form),
+    forms("a number, stop (at once), on (the default) or off", _bound_form),
 ]
 Angle = Annotated[
     Annotated[Number, Unit("rad"), Field(gt=0.0, le=3.1416), form("number")] | Off,
-    forms("a number (rad), on (the default) or off", _bound_form),
+    forms("a number, on (the default) or off", _bound_form),
 ]
 Distance = Annotated[
     Annotated[Metres, Field(gt=0.0, le=10.0), form("number")] | Off,
-    forms("a number (m), on (the default) or off", _bound_form),
+    forms("a number, on (the default) or off", _bound_form),
 ]
 Window = Annotated[
     Annotated[Progress, form("progress")] | Off,
     forms("{window: 6.0, probes: 15, least: 0.02}, on (the default) or off", _progress_form),
 ]
+TIMES = ("palm", "link", "table", "lost", "joint_limit")
 OF_A_FREE_OBJECT = ("palm", "link", "lean", "shift", "dragged")
 
 
@@ -96,8 +97,15 @@ class MonitorBounds(Model):
         """Truth values and words for what they stand for; stop is a time of zero."""
         if not isinstance(data, dict):
             return data
-        fields = cls.model_fields
-        return {key: _meant(value, fields[key].default) if key in fields else value for key, value in data.items()}
+        meant = {
+            name: {True: field.default, "on": field.default, False: OFF} for name, field in cls.model_fields.items()
+        }
+        for name in TIMES:
+            meant[name]["stop"] = AT_ONCE
+        return {
+            key: meant[key].get(value, value) if key in meant and isinstance(value, str | bool) else value
+            for key, value in data.items()
+        }
 
     def in_effect(self, *, held: bool) -> MonitorBounds:
         """The monitors as they act. An object that is held is meant to touch the hand, to move and to lean: what
@@ -106,11 +114,3 @@ class MonitorBounds(Model):
             return self
         idle = [name for name in OF_A_FREE_OBJECT if name not in self.model_fields_set]
         return self.model_copy(update=dict.fromkeys(idle, OFF))
-
-
-def _meant(value: Any, default: Any) -> Any:
-    if value is True or value == "on":
-        return default
-    if value is False:
-        return OFF
-    return AT_ONCE if value == "stop" and is_number(default) else value

@@ -20,7 +20,7 @@ from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, unt
 from graspdsl.trials.starts import draws, generator, is_fixed
 from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, WorldCrashError
 
-MOST_REDRAWS = 500
+MOST_DRAWS = 500
 
 
 def versions() -> dict[str, str]:
@@ -41,16 +41,17 @@ class NoFeasibleStartError(Exception):
     def __init__(self, draws: int, reasons: Counter[str]) -> None:
         self.draws = draws
         [(reason, count)] = reasons.most_common(1)
-        share = "" if count == draws else f", {count} times"
-        among = "the start is not feasible" if draws == 1 else f"no start in {draws} draws was feasible"
-        super().__init__(f"{among}{share}: {reason}")
+        share = "" if count == draws else f" ({count} times)"
+        none = "the start is not feasible" if draws == 1 else f"no start in {draws} draws was feasible"
+        super().__init__(f"{none}: {reason}{share}")
 
 
 class TrialLoop:
-    """Runs trials of one program on one world, one after the other."""
+    """Runs trials of one program on one world, one after the other; a trial has so many draws to find a start."""
 
-    def __init__(self, program: Program, world: WitnessedWorld, body: Body) -> None:
+    def __init__(self, program: Program, world: WitnessedWorld, body: Body, most_draws: int = MOST_DRAWS) -> None:
         self._program, self._world, self._body = program, world, body
+        self._most_draws = most_draws
         self._pipelines = program.pipelines()
 
     def run(self, number: int, seed: int) -> Trial:
@@ -101,7 +102,7 @@ class TrialLoop:
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
         starts = draws(self._program.spec.trials.start, self._body, surface, random, floats=floats)
-        most = 1 if is_fixed(self._program.spec.trials.start) else MOST_REDRAWS
+        most = 1 if is_fixed(self._program.spec.trials.start) else self._most_draws
         reasons = Counter[str]()
         for redraws, start in zip(range(most), starts, strict=False):
             try:
