@@ -31,6 +31,7 @@ from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
+from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
@@ -75,6 +76,11 @@ class Program:
         """What the program's pipelines drive."""
         probing = self.world.floats or self.probes
         return Target(self.robot, self.world.rate, self.spec.control, probing, self.spec.scene.held)
+
+    @property
+    def monitors(self) -> MonitorBounds:
+        """The monitors as they act on the scene."""
+        return self.spec.monitors.in_effect(held=self.spec.scene.held)
 
     def pipelines(self) -> tuple[tuple[Pipeline, ...], ...]:
         """The compiled stages of every phase."""

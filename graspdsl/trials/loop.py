@@ -31,7 +31,8 @@ def versions() -> dict[str, str]:
 def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
-    whole = json.dumps([spec, number, seed, versions()], sort_keys=True)
+    monitors = program.monitors.model_dump(mode="json")
+    whole = json.dumps([spec, monitors, number, seed, versions()], sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
@@ -141,13 +142,12 @@ class TrialLoop:
 
     def _monitors(self, phase: CheckedPhase, first: Observation) -> Monitors:
         program, info = self._program, self._world.info
-        bounds = program.spec.monitors.in_effect(held=program.spec.scene.held)
         return Monitors(
-            bounds,
+            program.monitors,
             phase.grasp,
             info,
             program.robot.hand.palm,
             program.spec.control.curvature_radius,
-            window_of(bounds, info, probes=program.probes),
+            window_of(program.monitors, info, probes=program.probes),
             first.joints,
         )
