@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graspdsl.arrays import Array
 from graspdsl.basis.resources import ContactResource, ContactSet
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.hands.descriptions import Robot, joint_limits, robot
+from graspdsl.hands.descriptions import joint_limits, robot
 from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Until
@@ -87,30 +86,26 @@ def test_converged() -> None:
 GRASP = ContactSet("Γ", tuple(ContactResource(f"γ{i}", ((i, 1.0),)) for i in range(3)), 3)
 
 
-FINGERS = ("finger-1", "finger-2", "finger-3")
+BARRETT = robot("barrett", "gantry")
+LOWER, UPPER = (np.array(limits) for limits in joint_limits(BARRETT))
+INFO = WorldInfo(50.0, BARRETT.contacts, tuple(BARRETT.joints), LOWER, UPPER)
 
 
-def monitors(samples: int = 5, *, began: float = 0.5, held: bool = False, **lines: object) -> Monitors:
+def monitors(
+    samples: int = 5, *, info: WorldInfo = INFO, began: float = 0.5, held: bool = False, **lines: object
+) -> Monitors:
     """The monitors of three fingers, with lines of the spec; the joints began at one position."""
     bounds = MonitorBounds.model_validate(lines).in_effect(held=held)
-    joints, lower, upper = joint_limits_of(robot("barrett", "gantry"))
-    info = WorldInfo(50.0, FINGERS, joints, lower, upper)
-    return Monitors(bounds, GRASP, info, "palm", 0.05, samples, np.full(len(joints), began))
-
-
-def joint_limits_of(hand: Robot) -> tuple[tuple[str, ...], Array, Array]:
-    """Names and limits of a robot's joints."""
-    lower, upper = (np.array(limits) for limits in joint_limits(hand))
-    return tuple(hand.joints), lower, upper
+    return Monitors(bounds, GRASP, info, "palm", 0.05, samples, np.full(len(info.joints), began))
 
 
 @pytest.fixture(scope="module")
 def shown() -> tuple[Observation, Truth]:
     """A start before the towel roll."""
-    barrett, roll = robot("barrett", "gantry"), catalogue()["towel-roll"]
-    world = BulletWorld(BulletSettings(barrett, roll, 0.4))
+    roll = catalogue()["towel-roll"]
+    world = BulletWorld(BulletSettings(BARRETT, roll, 0.4))
     drawn = {"roll": 0.0, "height": 0.1, "standoff": 0.047, "yaw": 0.0, "offset": 0.0, "tilt": 0.0}
-    seen = world.reset(pose("side", drawn, roll, barrett.hand.palm_surface), 0)
+    seen = world.reset(pose("side", drawn, roll, BARRETT.hand.palm_surface), 0)
     truth = world.truth()
     world.close()
     return seen, truth
@@ -178,7 +173,7 @@ def test_a_joint_at_its_limit_is_no_hindrance_where_it_began_or_when_the_end_is_
     shown: tuple[Observation, Truth],
 ) -> None:
     seen, pressing = shown[0], dataclasses.replace(shown[1], stopped_joints=("base-1",))
-    where = float(seen.joints[list(monitors().info.joints).index("base-1")])
+    where = float(seen.joints[list(INFO.joints).index("base-1")])
 
     def verdict(began: float, *, met: bool) -> Outcome | None:
         found = monitors(began=began, joint_limit="stop").watch(seen, pressing, 0.0, met=met)
@@ -226,11 +221,11 @@ def test_hysteresis_goes_back_a_stage() -> None:
     def run(before: list[Until]) -> tuple[int | None, Observation]:
         seen = world.reset(Start(np.zeros(3), np.eye(3), {}), 3)
         log = Logbook(np.zeros(3))
-        first = Stage(world, phase, 0, until, 20.0, monitors(300), log).run(force, seen)
+        first = Stage(world, phase, 0, until, 20.0, monitors(300, info=world.info), log).run(force, seen)
         assert first.verdict is None
         assert first.back_to is None
         final = Until(force_residual=1e-6, moment_residual=1e-6, hold=0.1)
-        second = Stage(world, phase, 0, final, 20.0, monitors(300), log, before)
+        second = Stage(world, phase, 0, final, 20.0, monitors(300, info=world.info), log, before)
         end = second.run(moment, first.observation)
         return end.back_to, end.observation
 
