@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.basis.resources import ContactSet
 from graspdsl.spec.monitors import OFF, MonitorBounds
 from graspdsl.trials.measures import GraspMeasure
@@ -33,9 +33,20 @@ class Monitors:
     _since: dict[str, float] = field(default_factory=dict)
     _history: deque[float] = field(default_factory=deque)
 
-    def watch(self, observation: Observation, truth: Truth, shift: float, *, met: bool = False) -> Verdict | None:
-        """What is wrong now, if anything is; shift [m]: how far the object has moved since the start; met: whether
-        the end conditions of the stage hold."""
+    def watch(
+        self,
+        observation: Observation,
+        truth: Truth,
+        shift: float,
+        *,
+        locked: Flags | None = None,
+        met: bool = False,
+    ) -> Verdict | None:
+        """What is wrong now, if anything is.
+
+        shift [m]: how far the object has moved since the start; locked: (n,) joints that the controller keeps from
+        going beyond their limits; met: whether the end conditions of the stage hold.
+        """
         if not np.isfinite(truth.object_position).all() or not np.isfinite(observation.points).all():
             return Verdict(Outcome.CRASHED, "the simulation left the realm of numbers")
         verdict = self._touches(observation.time, truth)
@@ -45,7 +56,8 @@ class Monitors:
             return Verdict(Outcome.TOPPLED, f"the object leant {truth.object_lean:.2f} rad")
         if _beyond(shift, self.bounds.shift):
             return Verdict(Outcome.DIVERGED, f"the object was moved {1000 * shift:.0f} mm")
-        return self._joints(observation, truth, met)
+        stopped = np.isin(self.info.joints, truth.stopped_joints)
+        return self._joints(observation, stopped if locked is None else stopped | locked, met)
 
     def _touches(self, time: float, truth: Truth) -> Verdict | None:
         """Links that touch what they should not."""
@@ -60,16 +72,14 @@ class Monitors:
             return Verdict(Outcome.TABLE_CONTACT, f"{links} touched the table" + _for(bounds.table))
         return None
 
-    def _joints(self, observation: Observation, truth: Truth, met: bool) -> Verdict | None:
-        """Joints that press on a limit and keep the stage from its end."""
-        elsewhere = dict(zip(self.info.joints, np.abs(observation.joints - self.began) > AT_LIMIT, strict=True))
+    def _joints(self, observation: Observation, stopped: Flags, met: bool) -> Verdict | None:
+        """Joints that are stopped at a limit and keep the stage from its end."""
         bound = self.bounds.joint_limit
+        hindering = stopped & (np.abs(observation.joints - self.began) > AT_LIMIT) & (not met)
         pressing = [
             name
-            for name in self.info.joints
-            if self._lasts(
-                f"joint {name}", name in truth.stopped_joints and elsewhere[name] and not met, observation.time, bound
-            )
+            for name, is_hindering in zip(self.info.joints, hindering, strict=True)
+            if self._lasts(f"joint {name}", bool(is_hindering), observation.time, bound)
         ]
         return Verdict(Outcome.JOINT_LIMIT, f"{', '.join(pressing)} at a limit" + _for(bound)) if pressing else None
 
