@@ -35,7 +35,10 @@ class Leak:
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """What the pipeline made of one observation; units as in :class:`Pipeline`, NaN for an error that there is not."""
+    """What the pipeline made of one observation; units as in :class:`Pipeline`, NaN for an error that there is not.
+
+    ``locked``: (n,) joints that the command would have taken beyond their limits.
+    """
 
     command: Command
     force_residual: Array
@@ -43,6 +46,7 @@ class Tick:
     force_error: float
     leaks: tuple[float, ...]
     ranks: tuple[int, ...]
+    locked: Flags
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +98,7 @@ class Pipeline:
             force_error=math.nan if self.force_error is None else float(values[self.force_error]),
             leaks=tuple(float(values[leak.step]) for leak in self.leaks),
             ranks=tuple(int(values[rank]) for rank in self.ranks),
+            locked=locked,
         )
 
     def _beyond(self, joints: Array, displacement: Array) -> Flags:

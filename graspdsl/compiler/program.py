@@ -16,6 +16,7 @@ from graspdsl.compiler.declarations import Declarations, PhaseEntry, declaration
 from graspdsl.compiler.definitions import definitions_with
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
+from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_floating_shape, check_scene, check_start_posture
@@ -30,6 +31,7 @@ from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
+from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
@@ -75,6 +77,11 @@ class Program:
         probing = self.world.floats or self.probes
         return Target(self.robot, self.world.rate, self.spec.control, probing, self.spec.scene.held)
 
+    @property
+    def monitors(self) -> MonitorBounds:
+        """The monitors as they act on the scene."""
+        return self.spec.monitors.in_effect(held=self.spec.scene.held)
+
     def pipelines(self) -> tuple[tuple[Pipeline, ...], ...]:
         """The compiled stages of every phase."""
         target = self.target
@@ -104,6 +111,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     check_scene(document, complaints)
     if spec is not None:
         check_floating_shape(spec, document, complaints)
+        check_monitors(spec, document, complaints)
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])

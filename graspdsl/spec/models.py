@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from graspdsl.spec.fields import Model, Number, fault, form, forms, is_number
+from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
 from graspdsl.spec.scene import Scene
 from graspdsl.spec.trials import Trials
@@ -92,6 +93,7 @@ class Spec(Model):
         examples=[[{"run": "π_close|Γ Γ", "until": {"contact": "all"}}]],
     )
     control: Control = Field(default=Control(), description="how gradients become motion")
+    monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
     evaluate: tuple[Grade, ...] = Field(default=(), description="how the final grasps are graded")
     trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
 

@@ -5,25 +5,22 @@ from __future__ import annotations
 import hashlib
 import json
 import time
+from collections import Counter
 from importlib import metadata
 
 import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
 from graspdsl.objects.shapes import Body
-from graspdsl.spec.program import Phase
 from graspdsl.trials.logbook import Logbook
-from graspdsl.trials.monitors import Monitors
+from graspdsl.trials.monitors import Monitors, window_of
 from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
-from graspdsl.trials.starts import draws, generator
+from graspdsl.trials.starts import draws, generator, is_fixed
 from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, WorldCrashError
 
-MOST_REDRAWS = 500
-AT_LIMIT = 1e-3  # rad or m
-SECONDS_STALLED = 6.0  # without progress of a residual, sliding or floating
-PROBES_STALLED = 15
+MOST_DRAWS = 500
 
 
 def versions() -> dict[str, str]:
@@ -34,15 +31,28 @@ def versions() -> dict[str, str]:
 def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
-    whole = json.dumps([spec, number, seed, versions()], sort_keys=True)
+    monitors = program.monitors.model_dump(mode="json")
+    whole = json.dumps([spec, monitors, number, seed, versions()], sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
-class TrialLoop:
-    """Runs trials of one program on one world, one after the other."""
+class NoFeasibleStartError(Exception):
+    """The world could take up none of a trial's starts. draws: how many there were."""
 
-    def __init__(self, program: Program, world: WitnessedWorld, body: Body) -> None:
+    def __init__(self, draws: int, reasons: Counter[str]) -> None:
+        self.draws = draws
+        [(reason, count)] = reasons.most_common(1)
+        share = "" if count == draws else f" ({count} times)"
+        none = "the start is not feasible" if draws == 1 else f"no start in {draws} draws was feasible"
+        super().__init__(f"{none}: {reason}{share}")
+
+
+class TrialLoop:
+    """Runs trials of one program on one world, one after the other; a trial has so many draws to find a start."""
+
+    def __init__(self, program: Program, world: WitnessedWorld, body: Body, most_draws: int = MOST_DRAWS) -> None:
         self._program, self._world, self._body = program, world, body
+        self._most_draws = most_draws
         self._pipelines = program.pipelines()
 
     def run(self, number: int, seed: int) -> Trial:
@@ -57,8 +67,8 @@ class TrialLoop:
             verdict = self._phases(observation, log)
         except WorldCrashError as error:
             verdict = Verdict(Outcome.CRASHED, str(error))
-        except InfeasibleStartError as error:
-            redraws, verdict = MOST_REDRAWS, Verdict(Outcome.CRASHED, str(error))
+        except NoFeasibleStartError as error:
+            redraws, verdict = error.draws, Verdict(Outcome.INFEASIBLE_START, str(error))
         finally:
             self._world.close()
         record = TrialRecord(
@@ -93,27 +103,28 @@ class TrialLoop:
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
         starts = draws(self._program.spec.trials.start, self._body, surface, random, floats=floats)
-        reason = ""
-        for redraws, start in zip(range(MOST_REDRAWS), starts, strict=False):
+        most = 1 if is_fixed(self._program.spec.trials.start) else self._most_draws
+        reasons = Counter[str]()
+        for redraws, start in zip(range(most), starts, strict=False):
             try:
                 return start, redraws, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:
-                reason = str(error)
-        raise InfeasibleStartError(f"no start in {MOST_REDRAWS} draws was feasible, the last because {reason}")
+                reasons[str(error)] += 1
+        raise NoFeasibleStartError(most, reasons)
 
     def _phases(self, observation: Observation, log: Logbook) -> Verdict:
         first = observation
         for index, phase in enumerate(self._program.phases):
             settings = self._program.spec.program[index]
-            end = self._phase(index, observation, log)
+            end = self._phase(index, first, observation, log)
             if end.verdict is not None and end.verdict.outcome is Outcome.TIMEOUT:
-                return self._out_of_time(first, end.observation, phase, settings)
+                return self._monitors(phase, first).out_of_time(end.observation, settings.limit)
             if end.verdict is not None:
                 return end.verdict
             observation = end.observation
-        return self._monitors(self._program.phases[-1]).judge(log.shift)
+        return self._monitors(self._program.phases[-1], first).judge(log.shift)
 
-    def _phase(self, index: int, observation: Observation, log: Logbook) -> StageEnd:
+    def _phase(self, index: int, first: Observation, observation: Observation, log: Logbook) -> StageEnd:
         """The stages of a phase, one to its end and then the next; with hysteresis, back again where one is undone."""
         phase, settings = self._program.phases[index], self._program.spec.program[index]
         conditions = [until_of(stage, settings.until) for stage in phase.stages[:-1]]
@@ -121,7 +132,7 @@ class TrialLoop:
         deadline, stage = observation.time + settings.limit, 0
         while True:
             until = settings.until if stage == len(conditions) else conditions[stage]
-            monitors = self._monitors(phase)
+            monitors = self._monitors(phase, first)
             run = Stage(self._world, phase, index, until, deadline, monitors, log, kept[:stage])
             end = run.run(self._pipelines[index][stage], observation)
             if end.verdict is not None or (end.back_to is None and stage == len(conditions)):
@@ -129,28 +140,14 @@ class TrialLoop:
             stage = stage + 1 if end.back_to is None else end.back_to
             observation = end.observation
 
-    def _monitors(self, phase: CheckedPhase) -> Monitors:
-        program = self._program
+    def _monitors(self, phase: CheckedPhase, first: Observation) -> Monitors:
+        program, info = self._program, self._world.info
         return Monitors(
+            program.monitors,
             phase.grasp,
-            self._world.info.contacts,
+            info,
             program.robot.hand.palm,
             program.spec.control.curvature_radius,
-            samples=PROBES_STALLED if program.probes else round(SECONDS_STALLED * self._world.info.rate),
-            held=program.spec.scene.held,
+            window_of(program.monitors, info, probes=program.probes),
+            first.joints,
         )
-
-    def _out_of_time(
-        self, first: Observation, observation: Observation, phase: CheckedPhase, settings: Phase
-    ) -> Verdict:
-        """What kept a phase from its end: a contact that was never made, a joint at its limit, or just time."""
-        missing = [self._world.info.contacts[c] for c in phase.grasp.contacts if not observation.touching[c]]
-        if missing:
-            return Verdict(Outcome.CONTACT_LOST, f"{', '.join(missing)} made no contact within {settings.limit:g} s")
-        info = self._world.info
-        at_limit = (observation.joints > info.upper - AT_LIMIT) | (observation.joints < info.lower + AT_LIMIT)
-        stuck = at_limit & (np.abs(observation.joints - first.joints) > AT_LIMIT)
-        joints = [name for name, is_stuck in zip(info.joints, stuck, strict=True) if is_stuck]
-        if joints:
-            return Verdict(Outcome.JOINT_LIMIT, f"{', '.join(joints)} at a limit")
-        return Verdict(Outcome.TIMEOUT, f"not converged within {settings.limit:g} s")

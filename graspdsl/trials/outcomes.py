@@ -12,11 +12,15 @@ class Outcome(enum.StrEnum):
     CONVERGED = "converged"
     LOCAL_MINIMUM = "local-minimum"
     PALM_COLLISION = "palm-collision"
+    LINK_COLLISION = "link-collision"
+    TABLE_CONTACT = "table-contact"
     CONTACT_LOST = "contact-lost"
     TOPPLED = "toppled"
+    DRAGGED = "dragged"
     JOINT_LIMIT = "joint-limit"
     TIMEOUT = "timeout"
     DIVERGED = "diverged"
+    INFEASIBLE_START = "infeasible-start"
     CRASHED = "crashed"
 
 

@@ -59,7 +59,8 @@ class Stage:
             elif held_from is None:
                 held_from, self.log.held_since = observation.time, len(self.log.measures) - 1
             touched = touched or bool(observation.touching[list(self.phase.grasp.contacts)].all())
-            verdict = self.monitors.watch(observation, truth, self.log.shift)
+            met = held_from is not None
+            verdict = self.monitors.watch(observation, truth, self.log.shift, locked=tick.locked, met=met)
             if verdict is None and touched:
                 verdict = self.monitors.watch_contacts(observation)
             if verdict is not None:

@@ -83,6 +83,8 @@ class FloatingWorld:
             object_axis=AXIS,
             object_lean=0.0,
             touching_links=(),
+            table_links=(),
+            stopped_joints=(),
         )
 
     def close(self) -> None:

@@ -75,7 +75,8 @@ class Truth:
     points, normals (into the object), forces (on the object): (k, 3), NaN where a contact does not touch.
     object_position: (3,) centre of mass [m]; object_rotation: (3, 3) of its body frame; object_axis: (3,) the body's
     major axis; object_lean [rad]: how far it has tilted from its start. touching_links: what else than fingertips
-    presses on the object, by link name.
+    presses on the object, by link name. table_links: what of the robot presses on the table, by link name.
+    stopped_joints: names of the joints that the last step would have sent beyond their limits.
     """
 
     points: Array
@@ -86,6 +87,8 @@ class Truth:
     object_axis: Array
     object_lean: float
     touching_links: tuple[str, ...]
+    table_links: tuple[str, ...]
+    stopped_joints: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

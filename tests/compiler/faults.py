@@ -92,6 +92,18 @@ WORLDS = (
         scene="object: {cylinder: {diameter: 0.1, height: 0.2, edge: 0.4}}",
     ),
     _floating("a start of a hand in the floating world", start="roll: 0.3"),
+    _floating(
+        "monitors in the floating world", monitors="palm: stop, lost: on, lean: off, dragged: 0.01, progress: off"
+    ),
+    Case(
+        "monitors of a fixed object",
+        spec(scene="world: bullet, object: {like: ball, fixed: true}", monitors="lean: 0.2, shift: 0.05"),
+    ),
+    Case(
+        "monitors of a held ball",
+        spec(scene="world: bullet, object: {like: ball, held: true}", monitors="lean: 0.2, table: stop, palm: on"),
+    ),
+    Case("monitors that are not understood", spec(monitors="palm: never, lean: stop, lots: 1, progress: {window: 0}")),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
 )
 NAMES = (

@@ -11,19 +11,20 @@ import pytest
 
 from graspdsl.basis.resources import ContactResource, ContactSet
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.hands.descriptions import robot
+from graspdsl.hands.descriptions import joint_limits, robot
 from graspdsl.objects.shapes import catalogue
+from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Until
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.measures import GraspMeasure
-from graspdsl.trials.monitors import Bounds, Monitors
+from graspdsl.trials.monitors import Monitors
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.trials.stage import Stage, loosened
 from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
-from graspdsl.worlds.protocol import Observation, Start, Truth
+from graspdsl.worlds.protocol import Observation, Start, Truth, WorldInfo
 
 SPECS = Path(__file__).parents[2] / "specs"
 MAIN = "towel_roll_two_contacts.yaml"
@@ -65,7 +66,7 @@ def test_another_seed_is_another_trial() -> None:
     assert loop.run(0, 1).record.force_residual_start != loop.run(0, 2).record.force_residual_start
 
 
-# Outcomes, each brought about in the simulator
+# A trial that goes well; what ends others is in test_monitors_in_the_simulator.py
 
 
 def test_converged() -> None:
@@ -79,73 +80,32 @@ def test_converged() -> None:
     assert record.orientation_start < record.orientation_end
 
 
-def test_timeout() -> None:
-    record = one(MAIN, "program.1.limit=0.3")
-    assert record.outcome is Outcome.TIMEOUT
-    assert "0.3 s" in record.detail
-    assert record.ticks_to_converge is None
-
-
-def test_no_contact_in_time() -> None:
-    record = one(MAIN, "program.0.limit=0.1")
-    assert record.outcome is Outcome.CONTACT_LOST
-    assert "finger-3" in record.detail
-    assert record.samples == 0
-
-
-def test_palm_collision() -> None:
-    """Contacts sent around to the far side of the roll draw the palm onto its near side."""
-    record = one(SLIDE, "parameters.x_ref=[0.05, -0.03, 0.1, 0.05, 0.03, 0.1]")
-    assert record.outcome is Outcome.PALM_COLLISION
-
-
-AWAY = "parameters.x_ref=[0.0, -0.35, {z}, 0.0, -0.25, {z}]"
-PULL = ("scene.friction=1.0", "parameters.κ_f=1.0", "program.1.limit=60", "program.1.until={contact: all, hold: 50}")
-
-
-def test_diverged() -> None:
-    """A low box, pushed along the table."""
-    low = "scene.object={box: {size: [0.10, 0.10, 0.10]}, mass: 0.2}"
-    record = one(SLIDE, low, "trials.start.height=0.06", AWAY.format(z=0.05), *PULL)
-    assert record.outcome is Outcome.DIVERGED
-    assert record.object_shift > Bounds().shift
-
-
-def test_joint_limit() -> None:
-    """A held ball carried off until the wrist can go no further."""
-    slide, far = "program.1.run=π_s|Γ Γ (x_ref)", "parameters.x_ref=[-1.5, -0.05, 0.05, -1.5, 0.05, 0.05]"
-    until = "program.1.until={contact: all, hold: 40}"
-    record = one("chapter/4_40_rotate.yaml", slide, far, until, "program.1.limit=30")
-    assert record.outcome is Outcome.JOINT_LIMIT
-    assert "wrist-z" in record.detail
-
-
-def test_local_minimum() -> None:
-    """The guarded close presses, but does not lower the residual that is waited for."""
-    close = "program.1.run=π_close|Γ Γ"
-    record = one(MAIN, close, "program.1.until={force_residual: 1e-4, hold: 1.0}", "trials.start.roll=0.5")
-    assert record.outcome is Outcome.LOCAL_MINIMUM
-    assert "‖ρ_f‖" in record.detail
-
-
 # Monitors on what a world really shows, changed in one thing
 
 
 GRASP = ContactSet("Γ", tuple(ContactResource(f"γ{i}", ((i, 1.0),)) for i in range(3)), 3)
 
 
-def monitors(samples: int = 5, *, held: bool = False) -> Monitors:
-    """The monitors of three fingers."""
-    return Monitors(GRASP, ("finger-1", "finger-2", "finger-3"), "palm", 0.05, samples, held)
+BARRETT = robot("barrett", "gantry")
+LOWER, UPPER = (np.array(limits) for limits in joint_limits(BARRETT))
+INFO = WorldInfo(50.0, BARRETT.contacts, tuple(BARRETT.joints), LOWER, UPPER)
+
+
+def monitors(
+    samples: int = 5, *, info: WorldInfo = INFO, began: float = 0.5, held: bool = False, **lines: object
+) -> Monitors:
+    """The monitors of three fingers, with lines of the spec; the joints began at one position."""
+    bounds = MonitorBounds.model_validate(lines).in_effect(held=held)
+    return Monitors(bounds, GRASP, info, "palm", 0.05, samples, np.full(len(info.joints), began))
 
 
 @pytest.fixture(scope="module")
 def shown() -> tuple[Observation, Truth]:
     """A start before the towel roll."""
-    barrett, roll = robot("barrett", "gantry"), catalogue()["towel-roll"]
-    world = BulletWorld(BulletSettings(barrett, roll, 0.4))
+    roll = catalogue()["towel-roll"]
+    world = BulletWorld(BulletSettings(BARRETT, roll, 0.4))
     drawn = {"roll": 0.0, "height": 0.1, "standoff": 0.047, "yaw": 0.0, "offset": 0.0, "tilt": 0.0}
-    seen = world.reset(pose("side", drawn, roll, barrett.hand.palm_surface), 0)
+    seen = world.reset(pose("side", drawn, roll, BARRETT.hand.palm_surface), 0)
     truth = world.truth()
     world.close()
     return seen, truth
@@ -163,8 +123,10 @@ def test_nothing_is_wrong_at_a_start(shown: tuple[Observation, Truth]) -> None:
         ({"object_position": np.array([np.nan, 0.0, 0.1])}, 0.0, Outcome.CRASHED),
         ({"object_lean": 0.34}, 0.0, None),
         ({"object_lean": 0.36}, 0.0, Outcome.TOPPLED),
-        ({}, 0.99 * Bounds().shift, None),
-        ({}, 1.01 * Bounds().shift, Outcome.DIVERGED),
+        ({"table_links": ("tip-1",)}, 0.0, Outcome.TABLE_CONTACT),
+        ({"stopped_joints": ("base-1",)}, 0.0, None),
+        ({}, 0.099, None),
+        ({}, 0.101, Outcome.DIVERGED),
     ],
 )
 def test_each_monitor_speaks_at_its_bound(
@@ -177,10 +139,49 @@ def test_each_monitor_speaks_at_its_bound(
 def test_a_held_object_may_lean_and_move(shown: tuple[Observation, Truth]) -> None:
     leaning = dataclasses.replace(shown[1], object_lean=1.0)
     assert monitors(held=True).watch(shown[0], leaning, 0.5) is None
-    struck = dataclasses.replace(leaning, touching_links=("palm",))
-    verdict = monitors(held=True).watch(shown[0], struck, 0.5)
+    struck = dataclasses.replace(leaning, touching_links=("palm", "medial-1"))
+    assert monitors(held=True).watch(shown[0], struck, 0.5) is None
+    verdict = monitors(held=True, palm="on").watch(shown[0], struck, 0.5)
     assert verdict is not None
     assert verdict.outcome is Outcome.PALM_COLLISION
+
+
+@pytest.mark.parametrize(
+    ("change", "outcome"),
+    [
+        ({"touching_links": ("medial-1",)}, Outcome.LINK_COLLISION),
+        ({"touching_links": ("palm",)}, Outcome.PALM_COLLISION),
+        ({"table_links": ("distal-2",)}, Outcome.TABLE_CONTACT),
+        ({"stopped_joints": ("base-1",)}, Outcome.JOINT_LIMIT),
+    ],
+)
+def test_a_time_runs_anew_when_its_cause_has_gone(
+    shown: tuple[Observation, Truth], change: dict[str, object], outcome: Outcome
+) -> None:
+    watch = monitors(palm=1.0, link=1.0, table=1.0, joint_limit=1.0)
+
+    def at(time: float, there: bool) -> Outcome | None:
+        truth = dataclasses.replace(shown[1], **change) if there else shown[1]
+        verdict = watch.watch(dataclasses.replace(shown[0], time=time), truth, 0.0)
+        return verdict.outcome if verdict else None
+
+    assert [at(0.0, True), at(1.0, True), at(1.02, False)] == [None] * 3
+    assert [at(1.04, True), at(2.04, True), at(2.06, True)] == [None, None, outcome]
+
+
+def test_a_joint_at_its_limit_is_no_hindrance_where_it_began_or_when_the_end_is_reached(
+    shown: tuple[Observation, Truth],
+) -> None:
+    seen, pressing = shown[0], dataclasses.replace(shown[1], stopped_joints=("base-1",))
+    where = float(seen.joints[list(INFO.joints).index("base-1")])
+
+    def verdict(began: float, *, met: bool) -> Outcome | None:
+        found = monitors(began=began, joint_limit="stop").watch(seen, pressing, 0.0, met=met)
+        return found.outcome if found else None
+
+    assert verdict(where, met=False) is None
+    assert verdict(where - 0.5, met=True) is None
+    assert verdict(where - 0.5, met=False) is Outcome.JOINT_LIMIT
 
 
 def test_a_contact_is_lost_after_two_seconds_away(shown: tuple[Observation, Truth]) -> None:
@@ -220,11 +221,11 @@ def test_hysteresis_goes_back_a_stage() -> None:
     def run(before: list[Until]) -> tuple[int | None, Observation]:
         seen = world.reset(Start(np.zeros(3), np.eye(3), {}), 3)
         log = Logbook(np.zeros(3))
-        first = Stage(world, phase, 0, until, 20.0, monitors(300), log).run(force, seen)
+        first = Stage(world, phase, 0, until, 20.0, monitors(300, info=world.info), log).run(force, seen)
         assert first.verdict is None
         assert first.back_to is None
         final = Until(force_residual=1e-6, moment_residual=1e-6, hold=0.1)
-        second = Stage(world, phase, 0, final, 20.0, monitors(300), log, before)
+        second = Stage(world, phase, 0, final, 20.0, monitors(300, info=world.info), log, before)
         end = second.run(moment, first.observation)
         return end.back_to, end.observation
 

@@ -29,6 +29,7 @@ class ProbingWorld(BulletWorld):
         """One probe for x (k, 3) [m], one tick for q."""
         if command.space != "x":
             return super().step(command)
+        self._stopped[:] = False
         before = self._tips.read()
         self._carry(-LIFT * before.normals)
         self._carry(command.displacement)

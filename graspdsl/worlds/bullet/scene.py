@@ -148,6 +148,11 @@ class Scene:
         contacts = self._engine.getContactPoints(hand.body, self.object, physicsClientId=self._client)
         return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] not in tips and c[9] > 0.0}))
 
+    def table_links(self, hand: BulletHand) -> tuple[str, ...]:
+        """Names of the robot's links that press on the table; its base stands still and is none of them."""
+        contacts = self._engine.getContactPoints(hand.body, self.table, physicsClientId=self._client)
+        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] >= 0 and c[9] > 0.0}))
+
     def image(self, width: int, height: int) -> Array:
         """A rendered (height, width, 3) picture, 0…255."""
         engine = self._engine

@@ -74,6 +74,7 @@ class BulletWorld:
         self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
         self.hand = BulletHand(engine, client, self.settings.robot, *self._base(start), self.settings.friction)
         self._target = self._start_posture(start)
+        self._stopped = np.zeros(len(self.info.joints), dtype=bool)
         self.hand.place(self._target)
         self.hand.drive(self._target)
         if self.settings.anchor is Anchor.HAND:
@@ -154,6 +155,7 @@ class BulletWorld:
         """Displace the joints' targets by the command, within their limits, and simulate one tick."""
         if command.space != "q":
             raise ValueError(f"the bullet world moves joints (q), not {command.space}")
+        self._stopped[:] = False
         self._advance(command.displacement)
         return self._observe()
 
@@ -163,8 +165,9 @@ class BulletWorld:
         A joint that something holds up is not driven ever further ahead of where it is.
         """
         now = self.hand.actuated(self.hand.all_joints())
-        near = np.clip(self._target + displacement, now - MOST_AHEAD, now + MOST_AHEAD)
-        self._target = np.clip(near, self.info.lower, self.info.upper)
+        wanted = np.clip(self._target + displacement, now - MOST_AHEAD, now + MOST_AHEAD)
+        self._target = np.clip(wanted, self.info.lower, self.info.upper)
+        self._stopped |= wanted != self._target
         self.hand.drive(self._target)
         self._simulate()
         self._ticks += 1
@@ -212,6 +215,10 @@ class BulletWorld:
             object_axis=rotation[:, 2],
             object_lean=self._scene.lean(),
             touching_links=self._scene.other_links(self.hand),
+            table_links=self._scene.table_links(self.hand),
+            stopped_joints=tuple(
+                name for name, is_stopped in zip(self.info.joints, self._stopped, strict=True) if is_stopped
+            ),
         )
 
     def image(self, width: int = 640, height: int = 480) -> Array:

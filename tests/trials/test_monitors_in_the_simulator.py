@@ -1,0 +1,239 @@
+"""Every way a trial can end, brought about in the simulator by a spec; and what becomes of it with that monitor off."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from graspdsl.compiler.program import program_of
+from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.setup import body_of, trial_loop, world_of
+from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.protocol import Command, Observation
+
+SPECS = Path(__file__).parents[2] / "specs"
+MAIN = "towel_roll_two_contacts.yaml"
+SLIDE = "chapter/4_24_slide.yaml"
+ROTATE = "chapter/4_40_rotate.yaml"
+FAIR_START = "trials.start={roll: 0.4, height: 0.10, standoff: 0.047}"
+
+
+def run(spec: str, *overrides: str) -> TrialRecord:
+    """The record of one trial."""
+    return trial_loop(program_of((SPECS / spec).read_text("utf-8"), spec, overrides)).run(0, 5).record
+
+
+def joints(names: str, reference: str, hold: float) -> tuple[str, ...]:
+    """Instead of sliding, some joints go to where they are told, until all contacts have touched for a while."""
+    formula = "program.1.run=φ_k|τ_k(Γ_k) σ_k(Γ_k) (k_ref)"
+    until = f"program.1.until={{contact: all, hold: {hold}}}"
+    return (f"resources.Γ_k={names}", f"parameters.k_ref={reference}", formula, until)
+
+
+@dataclass(frozen=True)
+class Ending:
+    """A spec that ends in an outcome, words of its detail, and where it ends when monitors are set otherwise."""
+
+    about: str
+    outcome: Outcome
+    detail: str
+    spec: str
+    settings: tuple[str, ...]
+    otherwise: tuple[tuple[str, Outcome], ...]
+
+    def __str__(self) -> str:
+        return self.about.replace(" ", "-")
+
+
+# Positions sent around to the far side of the roll draw the palm, and then the fingers, onto its near side.
+AROUND = ("parameters.x_ref=[0.05, -0.03, 0.1, 0.05, 0.03, 0.1]",)
+# The hand carries off a light roll that its fingers hold fast.
+LIGHT = ("scene.object={like: towel-roll, mass: 0.1}", "scene.friction=1.0")
+UNREACHED = ("program.1.run=π_close|Γ Γ", "program.1.until={force_residual: 1e-4, hold: 1.0}", FAIR_START)
+
+ENDINGS = (
+    Ending(
+        "the palm on the roll",
+        Outcome.PALM_COLLISION,
+        "the palm",
+        SLIDE,
+        AROUND,
+        (
+            ("monitors={palm: off}", Outcome.LINK_COLLISION),
+            ("monitors={palm: off, link: off}", Outcome.CONTACT_LOST),
+        ),
+    ),
+    Ending(
+        "fingers flat on the roll",
+        Outcome.LINK_COLLISION,
+        "distal-1, distal-2, distal-3 touched the object for 0.5 s",
+        SLIDE,
+        (*AROUND, "monitors.palm=off"),
+        (("monitors.link=off", Outcome.CONTACT_LOST),),
+    ),
+    Ending(
+        "the palm on the table",
+        Outcome.TABLE_CONTACT,
+        "palm touched the table",
+        SLIDE,
+        ("parameters.x_ref=[0.0, -0.05, -0.05, 0.0, 0.05, -0.05]",),
+        (("monitors.table=off", Outcome.CONVERGED),),
+    ),
+    Ending(
+        "the hand withdraws",
+        Outcome.CONTACT_LOST,
+        "lost the object for 2 s",
+        SLIDE,
+        (*joints("wrist-z", "-0.1", 3.0), "program.1.limit=5"),
+        (("monitors.lost=off", Outcome.TIMEOUT), ("monitors.lost=stop", Outcome.CONTACT_LOST)),
+    ),
+    Ending(
+        "no time to touch",
+        Outcome.CONTACT_LOST,
+        "finger-3, finger-1, finger-2 made no contact within 0.1 s",
+        MAIN,
+        (FAIR_START, "program.0.limit=0.1"),
+        (("monitors.lost=off", Outcome.TIMEOUT),),
+    ),
+    Ending(
+        "a rod knocked over as the fingers close",
+        Outcome.TOPPLED,
+        "leant",
+        SLIDE,
+        ("scene.object={cylinder: {diameter: 0.02, height: 0.2}}", "trials.start={height: 0.1, standoff: 0.06}"),
+        (("monitors.lean=off", Outcome.PALM_COLLISION),),
+    ),
+    Ending(
+        "a light roll carried off a little",
+        Outcome.DRAGGED,
+        "dragged",
+        SLIDE,
+        (*joints("wrist-y", "0.05", 2.0), *LIGHT),
+        (("monitors.dragged=off", Outcome.CONVERGED), ("monitors.shift=0.02", Outcome.DIVERGED)),
+    ),
+    Ending(
+        "a light roll carried off",
+        Outcome.DIVERGED,
+        "moved 100 mm",
+        SLIDE,
+        (*joints("wrist-y", "0.3", 10.0), *LIGHT),
+        (("monitors.shift=off", Outcome.DRAGGED),),
+    ),
+    Ending(
+        "fingers that open as far as they go",
+        Outcome.JOINT_LIMIT,
+        "base-1 at a limit for 2 s",
+        SLIDE,
+        (*joints("base-1", "-0.5", 1.0), "monitors.lost=off", "program.1.limit=14"),
+        (("monitors.joint_limit=off", Outcome.TIMEOUT), ("monitors.joint_limit=stop", Outcome.JOINT_LIMIT)),
+    ),
+    Ending(
+        "a joint at its limit when time is up",
+        Outcome.JOINT_LIMIT,
+        "base-1 at a limit",
+        SLIDE,
+        (*joints("base-1", "-0.5", 1.0), "monitors={lost: off, joint_limit: 60}", "program.1.limit=12"),
+        (("monitors.joint_limit=off", Outcome.TIMEOUT),),
+    ),
+    Ending(
+        "a residual that the close does not lower",
+        Outcome.LOCAL_MINIMUM,
+        "‖ρ_f‖",
+        MAIN,
+        (*UNREACHED, "monitors.progress={window: 1.0}", "program.1.limit=6"),
+        (("monitors.progress=off", Outcome.TIMEOUT), ("monitors.progress={window: 4.0}", Outcome.TIMEOUT)),
+    ),
+    Ending("too little time", Outcome.TIMEOUT, "within 0.3 s", MAIN, (FAIR_START, "program.1.limit=0.3"), ()),
+    Ending(
+        "a start in the table", Outcome.INFEASIBLE_START, "cannot close", MAIN, ("trials.start={height: -0.05}",), ()
+    ),
+)
+WAYS = [(ending, change, outcome) for ending in ENDINGS for change, outcome in ending.otherwise]
+
+
+@pytest.mark.parametrize("ending", ENDINGS, ids=str)
+def test_an_outcome_is_brought_about(ending: Ending) -> None:
+    record = run(ending.spec, *ending.settings)
+    assert (record.outcome, ending.detail in record.detail) == (ending.outcome, True), record.detail
+    assert record.ticks_to_converge is None
+
+
+@pytest.mark.parametrize(("ending", "change", "outcome"), WAYS, ids=[f"{e}-{c}" for e, c, _ in WAYS])
+def test_a_monitor_set_otherwise_ends_the_trial_otherwise(ending: Ending, change: str, outcome: Outcome) -> None:
+    record = run(ending.spec, *ending.settings, change)
+    assert record.outcome is outcome, record.detail
+
+
+def test_a_monitor_of_a_time_waits_for_it() -> None:
+    """With a longer time for the same cause the trial ends later by what was added."""
+    settings = (*AROUND, "monitors.palm=off")
+    short, long = (run(SLIDE, *settings, f"monitors.link={time}") for time in (0.2, 0.6))
+    assert short.outcome is long.outcome is Outcome.LINK_COLLISION
+    assert long.world_s - short.world_s == pytest.approx(0.4, abs=0.021)  # a tick either way
+
+
+def test_a_held_ball_meets_the_wrists_limit() -> None:
+    """Its end conditions hold all the while, so that only the end of time shows what was in the way."""
+    far = "parameters.x_ref=[-1.5, -0.05, 0.05, -1.5, 0.05, 0.05]"
+    until = "program.1.until={contact: all, hold: 40}"
+    record = run(ROTATE, "program.1.run=π_s|Γ Γ (x_ref)", far, until, "program.1.limit=30")
+    assert record.outcome is Outcome.JOINT_LIMIT, record.detail
+    assert "wrist-z" in record.detail
+
+
+def test_every_outcome_is_brought_about() -> None:
+    elsewhere = {Outcome.CRASHED, Outcome.CONVERGED}  # below and in test_loop.py
+    assert {ending.outcome for ending in ENDINGS} | elsewhere == set(Outcome)
+
+
+# Starts
+
+
+def test_a_start_that_cannot_be_is_drawn_once_where_every_draw_is_the_same() -> None:
+    record = run(MAIN, "trials.start={height: -0.05}")
+    assert record.redraws == 1
+    assert record.detail.startswith("the start is not feasible: ")
+
+
+def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
+    program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, ("trials.start={height: {uniform: [-0.06, -0.05]}}",))
+    body = body_of(program.spec.scene.object)
+    record = TrialLoop(program, world_of(program), body, most_draws=8).run(0, 5).record
+    assert (record.outcome, record.redraws) == (Outcome.INFEASIBLE_START, 8)
+    assert record.detail == "no start in 8 draws was feasible: finger-1 cannot close on the object with its tip"
+    several = NoFeasibleStartError(8, Counter({"it rains": 3, "it snows": 5}))
+    assert str(several) == "no start in 8 draws was feasible: it snows (5 times)"
+
+
+# A crash
+
+
+class Struck(BulletWorld):
+    """A world in which a force without measure strikes a finger, so that the engine's numbers end."""
+
+    def step(self, command: Command) -> Observation:
+        """One tick, with the blow before it."""
+        self._engine.applyExternalForce(
+            self.hand.body,
+            self.hand.tips[0].link,
+            [float(np.finfo(float).max), 0.0, 0.0],
+            [0.0, 0.0, 0.0],
+            self._engine.LINK_FRAME,
+            physicsClientId=self._client,
+        )
+        return super().step(command)
+
+
+def test_a_simulation_without_numbers_has_crashed() -> None:
+    program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START,))
+    body = body_of(program.spec.scene.object)
+    world = Struck(BulletSettings(program.robot, body, 0.4))
+    record = TrialLoop(program, world, body).run(0, 5).record
+    assert record.outcome is Outcome.CRASHED
+    assert "number" in record.detail
