@@ -5,14 +5,14 @@ from __future__ import annotations
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import hands
 from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue, shape_from
+from graspdsl.objects.shapes import Cylinder, catalogue, shape_from
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
-SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
+EDGED = ("box", "compound")
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
@@ -24,14 +24,17 @@ def check_scene(document: Document, complaints: Complaints) -> None:
     _Check(document, complaints, world).all()
 
 
-def check_floating_shape(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Complain about a shape whose sizes do not go together, so that contacts could not float on it."""
+def check_shape(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Complain about a shape whose sizes do not go together; the edge of a cylinder is of floating contacts only."""
     thing = spec.scene.object
-    if isinstance(thing, str) or thing.shape is None or not WORLDS[spec.scene.world].floats or thing.box is not None:
+    if isinstance(thing, str) or thing.shape is None or thing.box is not None:
         return
     kind, fields = thing.shape
+    shape = shape_from({kind: fields})
+    if isinstance(shape, Cylinder) and not WORLDS[spec.scene.world].floats:
+        return
     try:
-        surface_of(shape_from({kind: fields}))
+        surface_of(shape)
     except ValueError as error:
         path: Path = ("scene", "object", kind)
         complaints.about(path)
@@ -82,17 +85,14 @@ class _Check:
         if isinstance(thing, dict) and "like" in thing:
             thing, path = thing["like"], (*path, "like")
         if isinstance(thing, dict):
-            kinds = [kind for kind in ("box", *SMOOTH_ONLY) if kind in thing]
+            kinds = [kind for kind in EDGED if kind in thing]
         else:
             body = catalogue().get(str(thing))
             kinds = [type(body.shape).__name__.lower()] if body else []
         for kind in kinds:
-            if self._world.floats and kind == "box":
-                message = "contacts cannot float on a box: its edges have no normal"
+            if self._world.floats and kind in EDGED:
+                message = f"contacts cannot float on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
-            elif not self._world.floats and kind in SMOOTH_ONLY:
-                message = f"the {self._world.name} world has no {kind}"
-                self._error("shape-not-in-world", message, path, "use a cylinder, a sphere or a box")
 
     def _hand(self) -> None:
         path: Path = ("scene", "hand")

@@ -18,7 +18,7 @@ from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
 from graspdsl.trials.starts import draws, generator
-from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, WorldCrashError
+from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, UnstableObjectError, WorldCrashError
 
 MOST_REDRAWS = 500
 AT_LIMIT = 1e-3  # rad or m
@@ -59,6 +59,8 @@ class TrialLoop:
             verdict = Verdict(Outcome.CRASHED, str(error))
         except InfeasibleStartError as error:
             redraws, verdict = MOST_REDRAWS, Verdict(Outcome.CRASHED, str(error))
+        except UnstableObjectError as error:
+            verdict = Verdict(Outcome.TOPPLED, str(error))
         finally:
             self._world.close()
         record = TrialRecord(

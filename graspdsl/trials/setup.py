@@ -35,7 +35,7 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
     scene = program.spec.scene
     body = body_of(scene.object)
     if program.world.floats:
-        return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass)
+        return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass, body.major_axis)
     touch = TouchSettings(sensing=scene.sensing or "load-cell")
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE

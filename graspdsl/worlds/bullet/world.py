@@ -69,6 +69,7 @@ class BulletWorld:
         engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
         engine.setGravity(0, 0, -self.settings.gravity, client)
         self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
+        self._scene.settle()
         quaternion = Rotation.from_matrix(start.rotation).as_quat()
         self.hand = BulletHand(engine, client, self.settings.robot, start.position, quaternion, self.settings.friction)
         self._target = self._preshape()
@@ -178,7 +179,7 @@ class BulletWorld:
             forces=forces,
             object_position=position,
             object_rotation=rotation,
-            object_axis=rotation[:, 2],
+            object_axis=rotation @ np.array(self.settings.body.major_axis),
             object_lean=self._scene.lean(),
             touching_links=self._scene.other_links(self.hand),
         )
