@@ -5,8 +5,7 @@ from __future__ import annotations
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
-from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.shapes import Cylinder, catalogue, shape_from
+from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.document import Document
@@ -14,7 +13,7 @@ from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
-EDGED = ("box", "compound")
+EDGED = ("box", "compound", "mesh", "urdf")
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
@@ -24,24 +23,6 @@ def check_scene(document: Document, complaints: Complaints) -> None:
     if world is None:
         return
     _Check(document, complaints, world).all()
-
-
-def check_shape(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Complain about a shape whose sizes do not go together; the edge of a cylinder is of floating contacts only."""
-    thing = spec.scene.object
-    if isinstance(thing, str) or thing.shape is None or thing.box is not None:
-        return
-    kind, fields = thing.shape
-    shape = shape_from({kind: fields})
-    if isinstance(shape, Cylinder) and not WORLDS[spec.scene.world].floats:
-        return
-    try:
-        surface_of(shape)
-    except ValueError as error:
-        path: Path = ("scene", "object", kind)
-        complaints.about(path)
-        message = f"there is no such {kind}: {error}"
-        complaints.error("impossible-shape", message, document.span(path), "make its sizes and roundings fit together")
 
 
 def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:

@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.primitives import Box, Extent
+from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
 from graspdsl.objects.surfaces.profile import Pair, Profile, rounded
+from graspdsl.objects.triangles import TriangleMesh
 
 
 @dataclass(frozen=True)
@@ -43,19 +44,26 @@ class Loft:
         return length * self.profile.reach(float(level) / length, float(z) / length)
 
 
+Part = Loft | Box | Cylinder | Sphere | TriangleMesh
+
+
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A part of a compound: its origin at ``at`` (3,) [m], turned by ``pitch`` [rad] about y."""
+    """A part of a compound: its origin at ``at`` (3,) [m], turned by roll, pitch and yaw [rad], as in a URDF."""
 
-    part: Loft | Box
+    part: Part
     at: Extent
-    pitch: float = 0.0
+    rpy: Extent = (0.0, 0.0, 0.0)
 
     @property
     def rotation(self) -> Array:
-        """The part's axes in the frame of the compound (3, 3)."""
-        sin, cos = math.sin(self.pitch), math.cos(self.pitch)
-        return np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
+        """The part's axes in the frame of the compound (3, 3): about x, then y, then z of that frame."""
+        (a, b, c), (sa, sb, sc) = np.cos(self.rpy), np.sin(self.rpy)
+        about_z = np.array([[c, -sc, 0.0], [sc, c, 0.0], [0.0, 0.0, 1.0]])
+        about_y = np.array([[b, 0.0, sb], [0.0, 1.0, 0.0], [-sb, 0.0, b]])
+        about_x = np.array([[1.0, 0.0, 0.0], [0.0, a, -sa], [0.0, sa, a]])
+        rotation: Array = about_z @ about_y @ about_x
+        return rotation
 
     def support(self, direction: Array) -> float:
         """How far the part reaches from the compound's origin along a unit vector (3,) [m]."""
@@ -64,9 +72,13 @@ class Placed:
 
 @dataclass(frozen=True)
 class Compound:
-    """Parts that touch and do not overlap; the origin is on the axis of the whole, at half its height."""
+    """Parts that touch and do not overlap; the origin is on the axis of the whole, at half its height.
+
+    ``from_elsewhere``: its origin and its axes mean nothing, so that its longest extent is its major axis.
+    """
 
     parts: tuple[Placed, ...]
+    from_elsewhere: bool = False
 
     @cached_property
     def extent(self) -> Extent:
@@ -80,7 +92,17 @@ class Compound:
 
 
 def standing(parts: Sequence[Placed]) -> Compound:
-    """The compound of parts whose heights are counted from the lowest point of the whole."""
-    middle = Compound(tuple(parts)).extent[2] / 2
-    lowered = (replace(placed, at=(*placed.at[:2], placed.at[2] - middle)) for placed in parts)
-    return Compound(tuple(lowered))
+    """The compound of parts whose heights are counted from the lowest point of the whole, on the axis of the whole."""
+    return Compound(_moved(parts, (0.0, 0.0, -Compound(tuple(parts)).extent[2] / 2)))
+
+
+def centred(parts: Sequence[Placed]) -> Compound:
+    """The compound of parts from elsewhere, about the centre of its bounding box."""
+    whole = Compound(tuple(parts))
+    x, y, z = ((whole.support(-axis) - whole.support(axis)) / 2 for axis in np.eye(3))
+    return Compound(_moved(parts, (x, y, z)), from_elsewhere=True)
+
+
+def _moved(parts: Sequence[Placed], by: Extent) -> tuple[Placed, ...]:
+    x, y, z = by
+    return tuple(replace(p, at=(p.at[0] + x, p.at[1] + y, p.at[2] + z)) for p in parts)

@@ -11,11 +11,12 @@ import numpy.typing as npt
 
 from graspdsl.arrays import Array
 from graspdsl.objects import surfaces
-from graspdsl.objects.compound import Compound, Loft
+from graspdsl.objects.compound import Compound, Loft, Part
 from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.shapes import Bottle, Box, Cylinder, Ellipsoid, Shape, Sphere, Superquadric
+from graspdsl.objects.shapes import Bottle, Box, Cylinder, Ellipsoid, Shape, Sphere, Superquadric, TriangleMesh
 from graspdsl.objects.surfaces.mesh import mesh_of_rings, unit_sphere
 from graspdsl.objects.surfaces.profile import Profile
+from graspdsl.objects.triangles import Faces
 
 # Of 24, 32 and 48 facets a half turn, these gave the engine the best normals for its time: it takes points within 1 cm
 # of each other for one when it looks for the nearest, so that more facets hardly help.
@@ -24,6 +25,10 @@ AROUND = 96
 FINEST = 0.002  # m between the levels of a rounded edge
 ROUND_ENOUGH = 0.75  # the share of the largest margin that is taken
 SLACK = 1e-6  # m
+CREASE = np.radians(40.0)  # triangles of a mesh that meet at a larger angle have an edge between them
+MOST_DRAWN = 60_000  # triangles
+DRAWN_CELLS = 80  # along the longest side
+TINY = 1e-15
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -110,8 +115,23 @@ def _(shape: Loft) -> tuple[Hull, ...]:
 
 @_parts.register
 def _(shape: Compound) -> tuple[Hull, ...]:
-    placed = ((p, hull) for p in shape.parts for hull in _parts(p.part))
+    placed = ((p, hull) for p in shape.parts for hull in _sharp(p.part))
     return tuple(hull.placed(p.rotation, np.array(p.at)) for p, hull in placed)
+
+
+@_parts.register
+def _(shape: TriangleMesh) -> tuple[Hull, ...]:
+    if shape.convex_parts == "hull":
+        return (Hull(shape.hull),)
+    # Loaded only for a mesh to decompose.
+    from graspdsl.objects.decomposition import decomposed
+
+    return tuple(Hull(vertices) for vertices in decomposed(shape))
+
+
+def _sharp(part: Part) -> tuple[Hull, ...]:
+    """Hulls without margins, since the parts of a compound have one in common."""
+    return (Hull(_surface(part)[0].vertices),) if isinstance(part, Sphere) else _parts(part)
 
 
 @singledispatch
@@ -161,6 +181,31 @@ def _(shape: Loft) -> tuple[Shaded, ...]:
 def _(shape: Compound) -> tuple[Shaded, ...]:
     placed = ((p, part) for p in shape.parts for part in _surface(p.part))
     return tuple(part.placed(p.rotation, np.array(p.at)) for p, part in placed)
+
+
+@_surface.register
+def _(shape: TriangleMesh) -> tuple[Shaded, ...]:
+    vertices, faces = _coarsened(shape.vertices, shape.faces)
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    around = np.zeros_like(vertices)
+    np.add.at(around, faces, across[:, None, :])
+    flat = across / np.linalg.norm(across, axis=1, keepdims=True)
+    smooth = around[faces] / np.maximum(np.linalg.norm(around[faces], axis=-1, keepdims=True), TINY)
+    creased = (smooth * flat[:, None]).sum(axis=-1, keepdims=True) < np.cos(CREASE)
+    normals = np.where(creased, flat[:, None], smooth)
+    count = 3 * len(faces)
+    return (Shaded(corners.reshape(-1, 3), normals.reshape(-1, 3), np.arange(count).reshape(-1, 3)),)
+
+
+def _coarsened(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+    """Triangles that enclose area, vertices in the same cell of a grid being one where there are very many."""
+    if len(faces) > MOST_DRAWN:
+        grid = np.round(vertices / (np.ptp(vertices, axis=0).max() / DRAWN_CELLS)).astype(np.int64)
+        _, kept, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+        vertices, faces = vertices[kept], number.reshape(-1)[faces]
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    return vertices, faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > TINY]
 
 
 def _smooth(shape: Sphere | Ellipsoid | Superquadric, exponent: float) -> tuple[Hull, ...]:

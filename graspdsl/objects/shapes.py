@@ -12,6 +12,7 @@ import yaml
 
 from graspdsl.objects.compound import Compound, Loft, Placed, standing
 from graspdsl.objects.primitives import Bottle, Box, Cylinder, Ellipsoid, Extent, Sphere, Superquadric
+from graspdsl.objects.triangles import TriangleMesh
 
 __all__ = [
     "SHAPES",
@@ -24,29 +25,33 @@ __all__ = [
     "Shape",
     "Sphere",
     "Superquadric",
+    "TriangleMesh",
     "catalogue",
     "shape_from",
 ]
 
-Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle | Compound
+Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle | Compound | TriangleMesh
 CLEARLY_LONGER = 1.05
 UPRIGHT = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid object: a shape of even density and a mass [kg]."""
+    """A rigid object: a shape of even density and a mass [kg]; ``digest``: a hash of the files it was read from."""
 
     name: str
     shape: Shape
     mass: float
     about: str = ""
+    digest: str = ""
 
     @property
     def major_axis(self) -> Extent:
         """The unit vector, in the body's frame, against which orientations are reported: z, or the axis of the longest
-        extent of a box, an ellipsoid or a superquadric where that is clearly the longest."""
-        if not isinstance(self.shape, Box | Ellipsoid | Superquadric):
+        extent of a box, an ellipsoid, a superquadric or a shape from a file where that is clearly the longest."""
+        shape = self.shape
+        measured = isinstance(shape, Box | Ellipsoid | Superquadric | TriangleMesh)
+        if not (measured or (isinstance(shape, Compound) and shape.from_elsewhere)):
             return UPRIGHT
         extent = self.shape.extent
         _, second, longest = sorted(extent)
@@ -75,7 +80,7 @@ def _placed(form: Mapping[str, Any]) -> Placed:
         part = Loft(**{**fields, "corners": tuple((rho, z) for rho, z in fields["corners"])})
     else:
         part = Box(_size(form["box"]["size"]))
-    return Placed(part, _size(form.get("at", (0.0, 0.0, 0.0))), form.get("pitch", 0.0))
+    return Placed(part, _size(form.get("at", (0.0, 0.0, 0.0))), (0.0, form.get("pitch", 0.0), 0.0))
 
 
 SHAPES: Mapping[str, Callable[..., Shape]] = {

@@ -26,6 +26,9 @@ SECONDS_STALLED = 6.0  # without progress of a residual, sliding or floating
 PROBES_STALLED = 15
 
 
+FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
+
+
 def versions() -> dict[str, str]:
     """The versions of what a trial's numbers depend on."""
     return {name: metadata.version(name) for name in ("graspdsl", "numpy", "pybullet", "scipy")}
@@ -34,7 +37,10 @@ def versions() -> dict[str, str]:
 def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
-    whole = json.dumps([spec, number, seed, versions()], sort_keys=True)
+    parts = [spec, number, seed, versions()]
+    if program.body.digest:
+        parts += [program.body.digest, {name: metadata.version(name) for name in FILE_READERS}]
+    whole = json.dumps(parts, sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
