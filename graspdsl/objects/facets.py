@@ -7,16 +7,15 @@ from functools import cache, singledispatch
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from graspdsl.arrays import Array
 from graspdsl.objects import surfaces
 from graspdsl.objects.compound import Compound, Loft, Part
 from graspdsl.objects.floating_surface import surface_of
+from graspdsl.objects.shading import Shaded, shaded_mesh
 from graspdsl.objects.shapes import Bottle, Box, Cylinder, Ellipsoid, Shape, Sphere, Superquadric, TriangleMesh
 from graspdsl.objects.surfaces.mesh import mesh_of_rings, unit_sphere
 from graspdsl.objects.surfaces.profile import Profile
-from graspdsl.objects.triangles import Faces
 
 # Of 24, 32 and 48 facets a half turn, these gave the engine the best normals for its time: it takes points within 1 cm
 # of each other for one when it looks for the nearest, so that more facets hardly help.
@@ -25,10 +24,6 @@ AROUND = 96
 FINEST = 0.002  # m between the levels of a rounded edge
 ROUND_ENOUGH = 0.75  # the share of the largest margin that is taken
 SLACK = 1e-6  # m
-CREASE = np.radians(40.0)  # triangles of a mesh that meet at a larger angle have an edge between them
-MOST_DRAWN = 60_000  # triangles
-DRAWN_CELLS = 80  # along the longest side
-TINY = 1e-15
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,19 +39,6 @@ class Hull:
     def placed(self, rotation: Array, position: Array) -> Hull:
         """The hull turned by a rotation (3, 3) about the origin, then moved by a position (3,) [m]."""
         return Hull(self.vertices @ rotation.T + position, self.margin)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Shaded:
-    """Triangles with the unit normals (v, 3) of the surface at their vertices (v, 3) [m]; faces (f, 3)."""
-
-    vertices: Array
-    normals: Array
-    faces: npt.NDArray[np.int64]
-
-    def placed(self, rotation: Array, position: Array) -> Shaded:
-        """The triangles turned by a rotation (3, 3) about the origin, then moved by a position (3,) [m]."""
-        return Shaded(self.vertices @ rotation.T + position, self.normals @ rotation.T, self.faces)
 
 
 @cache
@@ -185,27 +167,7 @@ def _(shape: Compound) -> tuple[Shaded, ...]:
 
 @_surface.register
 def _(shape: TriangleMesh) -> tuple[Shaded, ...]:
-    vertices, faces = _coarsened(shape.vertices, shape.faces)
-    corners = vertices[faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    around = np.zeros_like(vertices)
-    np.add.at(around, faces, across[:, None, :])
-    flat = across / np.linalg.norm(across, axis=1, keepdims=True)
-    smooth = around[faces] / np.maximum(np.linalg.norm(around[faces], axis=-1, keepdims=True), TINY)
-    creased = (smooth * flat[:, None]).sum(axis=-1, keepdims=True) < np.cos(CREASE)
-    normals = np.where(creased, flat[:, None], smooth)
-    count = 3 * len(faces)
-    return (Shaded(corners.reshape(-1, 3), normals.reshape(-1, 3), np.arange(count).reshape(-1, 3)),)
-
-
-def _coarsened(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
-    """Triangles that enclose area, vertices in the same cell of a grid being one where there are very many."""
-    if len(faces) > MOST_DRAWN:
-        grid = np.round(vertices / (np.ptp(vertices, axis=0).max() / DRAWN_CELLS)).astype(np.int64)
-        _, kept, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
-        vertices, faces = vertices[kept], number.reshape(-1)[faces]
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    return vertices, faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > TINY]
+    return (shaded_mesh(shape.vertices, shape.faces),)
 
 
 def _smooth(shape: Sphere | Ellipsoid | Superquadric, exponent: float) -> tuple[Hull, ...]:

@@ -109,7 +109,7 @@ class InlineObject(Model):
     mesh: Mesh | None = Field(default=None, description="a file of triangles, placed by its bounding box")
     urdf: FilePath | None = Field(
         default=None,
-        description="a URDF file: its collision geometry is one body, placed by its bounding box; its inertias are not used",
+        description="a URDF file: its collision geometry as one body, placed by its bounding box, without its inertias",
         examples=["part.urdf"],
     )
 

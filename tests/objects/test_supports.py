@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
@@ -29,6 +29,7 @@ def _reach(vertices: Array, direction: Array) -> float:
 
 @EACH_SHAPE
 @given(direction=DIRECTIONS)
+@settings(deadline=None)  # the first facets of a shape take a while
 def test_the_drawn_surface_reaches_as_far_as_the_shape(name: str, direction: tuple[float, float, float]) -> None:
     unit = _unit(direction)
     drawn = max(_reach(part.vertices, unit) for part in shaded(SHAPES[name]))
@@ -38,6 +39,7 @@ def test_the_drawn_surface_reaches_as_far_as_the_shape(name: str, direction: tup
 
 @EACH_SHAPE
 @given(direction=DIRECTIONS)
+@settings(deadline=None)  # the first facets of a shape take a while
 def test_the_convex_parts_reach_as_far_as_the_shape(name: str, direction: tuple[float, float, float]) -> None:
     unit = _unit(direction)
     hulls = max(_reach(hull.vertices, unit) + hull.margin for hull in convex_parts(SHAPES[name]))

@@ -12,13 +12,18 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.objects.facets import AROUND, shaded
-from graspdsl.objects.shapes import Body, Bottle, Box, Shape, Superquadric, catalogue
+from graspdsl.objects.shapes import Body, Box, Ellipsoid, Shape, Superquadric, catalogue
 from graspdsl.objects.solid import solid_of
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.scene import Anchor, Scene
+from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
 from graspdsl.worlds.protocol import UnstableObjectError
 
-STEP = 1 / 500  # s
+from .scenes import main_program
+
+FRICTION, GRAVITY = 0.5, 9.81
 TIP = 0.0115  # m, the radius of a fingertip
 BODIES = {
     **catalogue(),
@@ -37,7 +42,7 @@ class Stage(NamedTuple):
 
     def simulate(self, seconds: float) -> None:
         """Let time pass."""
-        for _ in range(round(seconds / STEP)):
+        for _ in range(round(seconds / TIME_STEP)):
             self.engine.stepSimulation(self.client)
 
     def pushed(self, torque: Array) -> Array:
@@ -48,14 +53,14 @@ class Stage(NamedTuple):
 
 
 @contextlib.contextmanager
-def staged(body: Body, anchor: Anchor = Anchor.NONE, gravity: float = 9.81) -> Iterator[Stage]:
+def staged(body: Body, anchor: Anchor = Anchor.NONE, gravity: float = GRAVITY) -> Iterator[Stage]:
     """A scene without a hand."""
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:
-        engine.setTimeStep(STEP, client)
+        engine.setTimeStep(TIME_STEP, client)
         engine.setGravity(0, 0, -gravity, client)
-        yield Stage(engine, client, Scene(engine, client, body, 0.5, anchor))
+        yield Stage(engine, client, Scene(engine, client, body, FRICTION, anchor))
     finally:
         engine.disconnect(client)
 
@@ -63,7 +68,8 @@ def staged(body: Body, anchor: Anchor = Anchor.NONE, gravity: float = 9.81) -> I
 @EACH_BODY
 def test_it_stands_still(name: str) -> None:
     with staged(BODIES[name]) as stage:
-        stage.scene.settle()
+        stage.scene.place(resting_pose(BODIES[name], FRICTION, GRAVITY))
+        stage.scene.mark_rest()
         before = stage.scene.object_pose()
         for _ in range(8):
             stage.simulate(0.25)
@@ -78,7 +84,7 @@ def test_it_stands_still(name: str) -> None:
 def test_it_stands_where_it_is_put(name: str) -> None:
     body = BODIES[name]
     with staged(body) as stage:
-        stage.scene.settle()
+        stage.scene.place(resting_pose(body, FRICTION, GRAVITY))
         position, rotation = stage.scene.object_pose()
         origin = position - rotation @ solid_of(body.shape).centre
         np.testing.assert_allclose(origin, [0.0, 0.0, body.shape.extent[2] / 2], atol=1e-4)
@@ -90,7 +96,7 @@ def test_a_torque_turns_it_as_its_inertia_says(name: str) -> None:
     torque = np.array([0.01, -0.02, 0.015])
     with staged(body, gravity=0.0) as stage:
         rate = stage.pushed(torque)
-    expected = np.linalg.solve(solid_of(body.shape).inertia(body.mass), torque * STEP)
+    expected = np.linalg.solve(solid_of(body.shape).inertia(body.mass), torque * TIME_STEP)
     # The engine damps turning by a few hundredths a second.
     np.testing.assert_allclose(rate, expected, atol=1e-3 * np.linalg.norm(expected))
 
@@ -179,14 +185,20 @@ def test_lean_is_of_what_was_up_whichever_axis_is_the_longest() -> None:
             assert scene.lean() == pytest.approx(angle)
 
 
-def test_what_cannot_stand_is_said_to_fall() -> None:
-    with staged(Body("lens", Superquadric((0.30, 0.30, 0.02), 2.0), 0.3)) as stage:
-        stage.scene.settle()  # it lies on its side and stays
-    reed = Body("reed", Bottle(0.03, 0.30, 0.01, 0.02, 0.25, 0.002, 0.003), 0.3)
-    with staged(reed) as stage:
-        engine, client, scene = stage
-        position, _ = engine.getBasePositionAndOrientation(scene.object, client)
-        tipped = Rotation.from_euler("x", 25, degrees=True).as_quat().tolist()
-        engine.resetBasePositionAndOrientation(scene.object, position, tipped, client)
-        with pytest.raises(UnstableObjectError, match=r"does not stand: put on the table, it fell over by \d+°"):
-            scene.settle()
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Ellipsoid((0.10, 0.12, 0.16)),  # on its end, where it can balance
+        Superquadric((0.06, 0.06, 0.20), 2.0),
+    ],
+)
+def test_what_balances_on_a_tip_is_said_to_fall(shape: Ellipsoid | Superquadric) -> None:
+    with pytest.raises(UnstableObjectError, match=r"does not stand: put on the table, it fell over by \d+°"):
+        resting_pose(Body("egg", shape, 0.3), FRICTION, GRAVITY)
+
+
+def test_a_trial_of_what_does_not_stand_says_so() -> None:
+    egg = "scene.object={ellipsoid: {size: [0.10, 0.12, 0.16]}}"
+    trial = trial_loop(main_program(egg)).run(0, 1)
+    assert trial.record.outcome is Outcome.TOPPLED
+    assert "does not stand" in trial.record.detail

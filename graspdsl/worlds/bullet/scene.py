@@ -9,21 +9,16 @@ from typing import Any
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
+from graspdsl.objects.shapes import Body, Sphere
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body
-from graspdsl.worlds.protocol import UnstableObjectError
 
 TABLE_SIZE = (1.2, 1.2, 0.05)
 OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
 UP = np.array([0.0, 0.0, 1.0])
-# An object stands that comes to rest near the pose it was put down in.
-STANDING = 5.0  # degrees
-MOST_SETTLING = 4.0  # s
-RESTING_TIME = 0.1  # s
-RESTING_SPEED = 1e-3  # m/s
-RESTING_RATE = 1e-2  # rad/s
+
+Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
 
 
 class Anchor(enum.Enum):
@@ -48,7 +43,6 @@ class Scene:
         self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD)
         self.object = self._body.index
         self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))
-        self._settles = anchor is Anchor.NONE and not isinstance(body.shape, Cylinder | Box | Sphere)
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
         engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
         engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
@@ -83,29 +77,10 @@ class Scene:
         index: int = engine.createMultiBody(0.0, collision, visual, place, physicsClientId=client)
         return index
 
-    def settle(self) -> None:
-        """Let the object come to rest before anything else is there, and take that pose as the one it stands in.
-
-        A cylinder, a box or a ball rests as it is put down. Raises UnstableObjectError for what does not stand.
-        """
-        if not self._settles:
-            return
-        engine, client = self._engine, self._client
-        step: float = engine.getPhysicsEngineParameters(client)["fixedTimeStep"]
-        still = 0.0
-        for _ in range(round(MOST_SETTLING / step)):
-            engine.stepSimulation(client)
-            moving, turning = engine.getBaseVelocity(self.object, client)
-            at_rest = np.linalg.norm(moving) < RESTING_SPEED and np.linalg.norm(turning) < RESTING_RATE
-            still = still + step if at_rest else 0.0
-            if still >= RESTING_TIME:
-                break
-        fallen = math.degrees(self.lean())
-        if fallen > STANDING:
-            raise UnstableObjectError(f"the object does not stand: put on the table, it fell over by {fallen:.0f}°")
-        if still < RESTING_TIME:
-            raise UnstableObjectError(f"the object does not come to rest on the table within {MOST_SETTLING:g} s")
-        self.mark_rest()
+    def place(self, pose: Pose) -> None:
+        """Put the object into a pose, at rest."""
+        self._engine.resetBasePositionAndOrientation(self.object, *pose, self._client)
+        self._engine.resetBaseVelocity(self.object, [0, 0, 0], [0, 0, 0], self._client)
 
     def mark_rest(self) -> None:
         """Take the object's present pose as the one it is compared with."""

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.objects.facets import Hull, Shaded, convex_parts, shaded
+from graspdsl.objects.facets import Hull, convex_parts, shaded
+from graspdsl.objects.shading import Shaded
 from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
 from graspdsl.objects.solid import solid_of
 from graspdsl.worlds.bullet.hand import rotation_matrix
