@@ -57,7 +57,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
     for hull in hulls[:1]:
         engine.changeDynamics(index, -1, collisionMargin=hull.margin, physicsClientId=client)
-    if not fixed:
+    if primitive is None and not fixed:  # the engine knows the inertia of its own shapes
         engine.changeDynamics(index, -1, localInertiaDiagonal=moments.tolist(), physicsClientId=client)
     placed = EngineBody(index, solid.centre, axes)
     placed.move(engine, client, np.zeros(3))

@@ -75,7 +75,6 @@ class BulletWorld:
         if self.settings.anchor is Anchor.NONE:
             pose = resting_pose(self.settings.body, self.settings.table_friction, self.settings.gravity)
             self._scene.place(pose)
-            self._scene.mark_rest()
         self.hand = BulletHand(engine, client, self.settings.robot, *self._base(start), self.settings.friction)
         self._target = self._start_posture(start)
         self.hand.place(self._target)
