@@ -42,7 +42,7 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
         source = read_text(path)
     except DiagnosticError as error:
         return None, "", error.diagnostics
-    examination = examine(source, path.name, overrides)
+    examination = examine(source, path.name, overrides, path.parent)
     return examination.program, source, examination.diagnostics
 
 

@@ -89,7 +89,15 @@ def _hands() -> Rows:
 def _objects() -> Rows:
     from graspdsl.objects.shapes import catalogue
 
-    return _named((name, body.about) for name, body in catalogue().items())
+    return [
+        {
+            "name": name,
+            "size (cm)": " × ".join(f"{100 * length:.3g}" for length in body.shape.extent),
+            "mass (kg)": f"{body.mass:g}",
+            "about": body.about,
+        }
+        for name, body in catalogue().items()
+    ]
 
 
 def _worlds() -> Rows:

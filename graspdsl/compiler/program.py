@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
@@ -17,9 +18,10 @@ from graspdsl.compiler.definitions import definitions_with
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.monitors_check import check_monitors
+from graspdsl.compiler.object_check import found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_floating_shape, check_scene, check_start_posture
+from graspdsl.compiler.scene_check import check_scene, check_start_posture
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -27,13 +29,16 @@ from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression
-from graspdsl.objects.shapes import catalogue
+from graspdsl.objects.files import ObjectFile
+from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
+
+HERE = FilePath()
 
 # What a phase can wait for: the task spaces of the potentials that lower it, and the first of them to name.
 CONDITIONS = {
@@ -59,12 +64,14 @@ class CheckedPhase:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A spec that is sound, with its robot, its world and its checked phases."""
+    """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it."""
 
     spec: Spec
     robot: Robot
     world: WorldKind
     phases: tuple[CheckedPhase, ...]
+    body: Body
+    files: tuple[ObjectFile, ...] = ()
 
     @property
     def probes(self) -> bool:
@@ -99,8 +106,11 @@ class Examination:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examination:
-    """Check the text of a spec, faults of YAML, of values and of formulas all in one go."""
+def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Examination:
+    """Check the text of a spec, faults of YAML, of values and of formulas all in one go.
+
+    Files that the spec names by relative paths are in ``folder``.
+    """
     try:
         document, spec, faults = read_spec(text, name, overrides)
     except DiagnosticError as error:
@@ -109,20 +119,21 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     check = _ProgramCheck(declarations_of(document), complaints)
     phases = check.phases()
     check_scene(document, complaints)
+    thing = None
     if spec is not None:
-        check_floating_shape(spec, document, complaints)
         check_monitors(spec, document, complaints)
+        thing = found_object(spec, document, complaints, folder)
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
-    if spec is None or check.robot is None or has_errors(diagnostics):
+    if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
-    return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases), diagnostics)
+    return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases, *thing), diagnostics)
 
 
-def program_of(text: str, name: str, overrides: tuple[str, ...] = ()) -> Program:
+def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
     """The program of a spec without errors; otherwise raises DiagnosticError."""
-    examination = examine(text, name, overrides)
+    examination = examine(text, name, overrides, folder)
     if examination.program is None:
         raise DiagnosticError(examination.diagnostics)
     return examination.program

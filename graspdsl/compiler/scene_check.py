@@ -5,8 +5,7 @@ from __future__ import annotations
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
-from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue, shape_from
+from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.document import Document
@@ -14,7 +13,7 @@ from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
-SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
+EDGED = ("box", "compound", "mesh", "urdf")
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
@@ -24,21 +23,6 @@ def check_scene(document: Document, complaints: Complaints) -> None:
     if world is None:
         return
     _Check(document, complaints, world).all()
-
-
-def check_floating_shape(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Complain about a shape whose sizes do not go together, so that contacts could not float on it."""
-    thing = spec.scene.object
-    if isinstance(thing, str) or thing.shape is None or not WORLDS[spec.scene.world].floats or thing.box is not None:
-        return
-    kind, fields = thing.shape
-    try:
-        surface_of(shape_from({kind: fields}))
-    except ValueError as error:
-        path: Path = ("scene", "object", kind)
-        complaints.about(path)
-        message = f"there is no such {kind}: {error}"
-        complaints.error("impossible-shape", message, document.span(path), "make its sizes and roundings fit together")
 
 
 def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
@@ -102,17 +86,14 @@ class _Check:
         if isinstance(thing, dict) and "like" in thing:
             thing, path = thing["like"], (*path, "like")
         if isinstance(thing, dict):
-            kinds = [kind for kind in ("box", *SMOOTH_ONLY) if kind in thing]
+            kinds = [kind for kind in EDGED if kind in thing]
         else:
             body = catalogue().get(str(thing))
             kinds = [type(body.shape).__name__.lower()] if body else []
         for kind in kinds:
-            if self._world.floats and kind == "box":
-                message = "contacts cannot float on a box: its edges have no normal"
+            if self._world.floats and kind in EDGED:
+                message = f"contacts cannot float on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
-            elif not self._world.floats and kind in SMOOTH_ONLY:
-                message = f"the {self._world.name} world has no {kind}"
-                self._error("shape-not-in-world", message, path, "use a cylinder, a sphere or a box")
 
     def _hand(self) -> None:
         path: Path = ("scene", "hand")

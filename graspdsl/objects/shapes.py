@@ -1,4 +1,4 @@
-"""Objects to grasp: one solid shape with a mass; its major axis is the body's z axis."""
+"""Objects to grasp: one solid shape with a mass, standing on the table as its z axis does."""
 
 from __future__ import annotations
 
@@ -10,110 +10,77 @@ from typing import Any
 
 import yaml
 
+from graspdsl.objects.compound import Compound, Loft, Placed, standing
+from graspdsl.objects.primitives import Bottle, Box, Cylinder, Ellipsoid, Extent, Sphere, Superquadric
+from graspdsl.objects.triangles import TriangleMesh
 
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """A cylinder along z, diameter and height [m]; ``edge`` [m] rounds its edges where contacts float."""
+__all__ = [
+    "SHAPES",
+    "Body",
+    "Bottle",
+    "Box",
+    "Compound",
+    "Cylinder",
+    "Ellipsoid",
+    "Shape",
+    "Sphere",
+    "Superquadric",
+    "TriangleMesh",
+    "catalogue",
+    "shape_from",
+]
 
-    diameter: float
-    height: float
-    edge: float = 0.005
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return (self.diameter, self.diameter, self.height)
-
-
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """A sphere, diameter [m]."""
-
-    diameter: float
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return (self.diameter,) * 3
-
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A box, full size along x, y, z [m]."""
-
-    size: tuple[float, float, float]
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return self.size
-
-
-@dataclass(frozen=True, slots=True)
-class Ellipsoid:
-    """An ellipsoid, full size along x, y, z [m]."""
-
-    size: tuple[float, float, float]
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return self.size
-
-
-@dataclass(frozen=True, slots=True)
-class Superquadric:
-    """|x/a|^p + |y/b|^p + |z/c|^p = 1: full size (2a, 2b, 2c) [m], exponent p from a ball (2) to a box (10)."""
-
-    size: tuple[float, float, float]
-    exponent: float
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return self.size
-
-
-@dataclass(frozen=True, slots=True)
-class Bottle:
-    """A bottle of revolution along z: body, shoulder and neck [m]; ``shoulder`` and ``edge`` are roundings."""
-
-    diameter: float
-    height: float
-    neck_diameter: float
-    body_height: float
-    neck_height: float
-    shoulder: float
-    edge: float
-
-    @property
-    def extent(self) -> tuple[float, float, float]:
-        """Full size along x, y, z [m]."""
-        return (self.diameter, self.diameter, self.height)
-
-
-Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle
+Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle | Compound | TriangleMesh
+CLEARLY_LONGER = 1.05
+UPRIGHT = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid object: a shape of even density and a mass [kg]."""
+    """A rigid object: a shape of even density and a mass [kg]; ``digest``: a hash of the files it was read from."""
 
     name: str
     shape: Shape
     mass: float
     about: str = ""
+    digest: str = ""
+
+    @property
+    def major_axis(self) -> Extent:
+        """The unit vector, in the body's frame, against which orientations are reported: z, or the axis of the longest
+        extent of a box, an ellipsoid, a superquadric or a shape from a file where that is clearly the longest."""
+        shape = self.shape
+        measured = isinstance(shape, Box | Ellipsoid | Superquadric | TriangleMesh)
+        if not (measured or (isinstance(shape, Compound) and shape.from_elsewhere)):
+            return UPRIGHT
+        extent = self.shape.extent
+        _, second, longest = sorted(extent)
+        if longest <= CLEARLY_LONGER * second:
+            return UPRIGHT
+        x, y, z = (float(size == longest) for size in extent)
+        return (x, y, z)
 
 
 def shape_from(form: Mapping[str, Any]) -> Shape:
     """The shape in a mapping with one of the keys of SHAPES, its fields beneath it."""
     kind = next(kind for kind in SHAPES if form.get(kind) is not None)
-    return SHAPES[kind](**form[kind])
+    fields = form[kind]
+    return SHAPES[kind](**fields) if isinstance(fields, Mapping) else SHAPES[kind](fields)
 
 
-def _size(size: Sequence[float]) -> tuple[float, float, float]:
+def _size(size: Sequence[float]) -> Extent:
     x, y, z = size
     return float(x), float(y), float(z)
+
+
+def _placed(form: Mapping[str, Any]) -> Placed:
+    part: Loft | Box
+    if "loft" in form:
+        fields = {**form["loft"], "roundings": tuple(form["loft"]["roundings"])}
+        part = Loft(**{**fields, "corners": tuple((rho, z) for rho, z in fields["corners"])})
+    else:
+        part = Box(_size(form["box"]["size"]))
+    return Placed(part, _size(form.get("at", (0.0, 0.0, 0.0))), (0.0, form.get("pitch", 0.0), 0.0))
 
 
 SHAPES: Mapping[str, Callable[..., Shape]] = {
@@ -123,6 +90,7 @@ SHAPES: Mapping[str, Callable[..., Shape]] = {
     "ellipsoid": lambda size: Ellipsoid(_size(size)),
     "superquadric": lambda size, exponent: Superquadric(_size(size), exponent),
     "bottle": Bottle,
+    "compound": lambda parts: standing([_placed(part) for part in parts]),
 }
 
 

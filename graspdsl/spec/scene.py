@@ -64,7 +64,30 @@ class Bottle(Model):
     edge: Annotated[Metres, Field(gt=0.0)] = Field(description="rounding of bottom and top (m)", examples=[0.008])
 
 
+FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+class Mesh(Model):
+    """A file of triangles."""
+
+    file: FilePath = Field(
+        description="an STL or OBJ file; a relative path starts at the folder of the spec and stays in it",
+        examples=["part.stl"],
+    )
+    scale: Number = Field(
+        default=1.0, gt=0.0, le=1e6, description="what a length in the file is in m: 0.001 for millimetres"
+    )
+    convex: Literal["hull", "decomposition"] | None = Field(
+        default=None,
+        description="what collides, the convex hull or convex parts; by default the parts where the hull is 5 % larger",
+    )
+    density: Number | None = Field(
+        default=None, gt=0.0, le=30000.0, description="density (kg/m³), instead of a mass of the object"
+    )
+
+
 SHAPES = ("cylinder", "sphere", "box", "ellipsoid", "superquadric", "bottle")
+FILES = ("mesh", "urdf")
 
 
 class InlineObject(Model):
@@ -83,22 +106,30 @@ class InlineObject(Model):
     ellipsoid: Ellipsoid | None = Field(default=None, description="an ellipsoid")
     superquadric: Superquadric | None = Field(default=None, description="a superquadric")
     bottle: Bottle | None = Field(default=None, description="a bottle of revolution")
+    mesh: Mesh | None = Field(default=None, description="a file of triangles, placed by its bounding box")
+    urdf: FilePath | None = Field(
+        default=None,
+        description="a URDF file: its collision geometry as one body, placed by its bounding box, without its inertias",
+        examples=["part.urdf"],
+    )
 
     @model_validator(mode="after")
     def _one_shape(self) -> InlineObject:
-        shapes = [name for name in ("like", *SHAPES) if getattr(self, name) is not None]
+        shapes = [name for name in ("like", *SHAPES, *FILES) if getattr(self, name) is not None]
         if len(shapes) != 1:
             found = " and ".join(shapes) or "none"
             hint = "for example {cylinder: {diameter: 0.10, height: 0.20}, mass: 0.5}"
-            message = f"an object has exactly one shape ({', '.join(SHAPES)}, or like), found {found}"
+            message = f"an object has exactly one shape ({', '.join((*SHAPES, *FILES))}, or like), found {found}"
             raise fault("wrong-form", message, hint)
+        if self.mesh is not None and self.mesh.density is not None and self.mass is not None:
+            raise fault("wrong-form", "an object has a mass or a density, not both", "keep one")
         if self.held and self.fixed:
             raise fault("wrong-form", "an object is held by the hand or fixed to the world, not both", "keep one")
         return self
 
     @property
     def shape(self) -> tuple[str, dict[str, Any]] | None:
-        """The kind of the one shape there is and its fields; None for one of the catalogue."""
+        """The kind of the one shape there is and its fields; None for one of the catalogue or of a file."""
         for kind in SHAPES:
             chosen = getattr(self, kind)
             if chosen is not None:

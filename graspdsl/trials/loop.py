@@ -18,9 +18,10 @@ from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
 from graspdsl.trials.starts import draws, generator, is_fixed
-from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, WorldCrashError
+from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, UnstableObjectError, WorldCrashError
 
 MOST_DRAWS = 500
+FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
 
 
 def versions() -> dict[str, str]:
@@ -31,8 +32,10 @@ def versions() -> dict[str, str]:
 def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
-    monitors = program.monitors.model_dump(mode="json")
-    whole = json.dumps([spec, monitors, number, seed, versions()], sort_keys=True)
+    parts = [spec, program.monitors.model_dump(mode="json"), number, seed, versions()]
+    if program.body.digest:
+        parts += [program.body.digest, {name: metadata.version(name) for name in FILE_READERS}]
+    whole = json.dumps(parts, sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
@@ -69,6 +72,8 @@ class TrialLoop:
             verdict = Verdict(Outcome.CRASHED, str(error))
         except NoFeasibleStartError as error:
             redraws, verdict = error.draws, Verdict(Outcome.INFEASIBLE_START, str(error))
+        except UnstableObjectError as error:
+            verdict = Verdict(Outcome.TOPPLED, str(error))
         finally:
             self._world.close()
         record = TrialRecord(

@@ -41,12 +41,12 @@ def new_run(path: Path, program: Program, text: str, spec_file: str, overrides: 
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
     trials = program.spec.trials
     manifest = Manifest(program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions())
-    return RunFolder.create(path, manifest, text)
+    return RunFolder.create(path, manifest, text, program.files)
 
 
 def program_of_run(folder: RunFolder) -> Program:
     """The program that a run was made from."""
-    return program_of(folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides)
+    return program_of(*_recipe(folder))
 
 
 def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | None = None) -> None:
@@ -94,7 +94,11 @@ def _here(program: Program, numbers: Sequence[int], seed: int) -> Generator[Tria
         yield loop.run(number, seed)
 
 
-Recipe = tuple[str, str, tuple[str, ...]]  # what program_of makes a program from
+Recipe = tuple[str, str, tuple[str, ...], Path]  # what program_of makes a program from
+
+
+def _recipe(folder: RunFolder) -> Recipe:
+    return folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides, folder.files
 
 
 @functools.cache  # built once in a worker process, at its first trial, so that what goes wrong there is reported
@@ -119,7 +123,7 @@ def _end_with_parent() -> None:
 
 
 def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: int) -> Generator[Trial, None, None]:
-    recipe = (folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides)
+    recipe = _recipe(folder)
     others = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker)

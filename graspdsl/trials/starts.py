@@ -51,18 +51,18 @@ def draws(
 def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: float) -> Start:
     """The start pose of drawn values.
 
-    The palm faces the object from the side or from above. Its x axis lies along the object's axis (side) or level
-    (top) until it is rolled about the palm's normal.
+    From the side the palm faces the object's axis, the standoff before where the shape reaches towards the palm; or it
+    faces the object from above. Its x axis lies along the object's axis (side) or level (top) until it is rolled about
+    the palm's normal.
     """
     heading = np.array([math.cos(drawn["yaw"]), math.sin(drawn["yaw"]), 0.0])
     sin, cos = math.sin(drawn["tilt"]), math.cos(drawn["tilt"])
-    width, _, height = body.shape.extent
     if approach == "side":
-        normal, level, depth = cos * heading - sin * UP, UP, width / 2
+        normal, level, depth = cos * heading - sin * UP, UP, body.shape.support(-heading)
         aim = drawn["height"] * UP
     else:
         normal, level, depth = sin * heading - cos * UP, heading, 0.0
-        aim = height * UP
+        aim = body.shape.extent[2] * UP
     first = level - (level @ normal) * normal
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)

@@ -9,7 +9,7 @@ import os
 import sqlite3
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +20,13 @@ from pydantic import TypeAdapter
 
 from graspdsl.arrays import Float32Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.objects.files import ObjectFile
 from graspdsl.spec.files import read_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
+FILES = "files"  # copies of those that the spec names
 _FIELDS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _PAIRS = ("contact_forces", "point_error", "normal_error")
 
@@ -49,8 +51,8 @@ class RunFolder:
         self.path, self.manifest = path, manifest
 
     @classmethod
-    def create(cls, path: Path, manifest: Manifest, spec_text: str) -> RunFolder:
-        """A new run folder. Raises DiagnosticError where one cannot be made."""
+    def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[ObjectFile] = ()) -> RunFolder:
+        """A new run folder, with copies of files. Raises DiagnosticError where one cannot be made."""
         folder = cls(path, manifest)
         with folder._writing():
             path.mkdir(parents=True, exist_ok=True)
@@ -62,6 +64,10 @@ class RunFolder:
             if occupied:
                 raise _refused("folder-not-empty", "this folder is not empty", "name another, or go on with --resume")
             (path / SPEC).write_text(spec_text, encoding="utf-8")
+            for file in files:
+                copy = folder.files / file.kept_as
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                copy.write_bytes(file.content)
             folder._save_manifest()
             with folder._table() as table:
                 table.execute(f"CREATE TABLE trials ({', '.join(_FIELDS)}, PRIMARY KEY (number))")
@@ -78,6 +84,11 @@ class RunFolder:
         folder = cls(path, manifest)
         folder.records()
         return folder
+
+    @property
+    def files(self) -> Path:
+        """Where the copies of the files are that the spec names."""
+        return self.path / FILES
 
     @property
     def spec_text(self) -> str:

@@ -13,7 +13,6 @@ from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
-AXIS = np.array([0.0, 0.0, 1.0])
 
 
 def slid(surface: Surface, points: Array, displacement: Array) -> Array:
@@ -42,12 +41,21 @@ def sensed(surface: Surface, points: Array, time: float, weight: float) -> Obser
 
 
 class FloatingWorld:
-    """Contacts, by the names of a hand's, on a surface about the origin with its axis along z; the object stays put."""
+    """Contacts, by the names of a hand's, on a surface about the origin; the object stays put.
 
-    def __init__(self, contacts: tuple[str, ...], surface: Surface, weight: float) -> None:
+    weight [N] of the object; axis (3,): its major axis.
+    """
+
+    def __init__(
+        self,
+        contacts: tuple[str, ...],
+        surface: Surface,
+        weight: float,
+        axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    ) -> None:
         none = np.zeros(0)
         self.info = WorldInfo(RATE, contacts, (), none, none)
-        self._surface, self._weight = surface, weight
+        self._surface, self._weight, self._axis = surface, weight, np.array(axis)
         self._ticks = 0
         self._points = np.zeros((len(contacts), 3))
 
@@ -80,7 +88,7 @@ class FloatingWorld:
             forces=np.zeros_like(self._points),
             object_position=np.zeros(3),
             object_rotation=np.eye(3),
-            object_axis=AXIS,
+            object_axis=self._axis,
             object_lean=0.0,
             touching_links=(),
             table_links=(),

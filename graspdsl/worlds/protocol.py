@@ -17,6 +17,10 @@ class InfeasibleStartError(Exception):
     """A start that the world cannot take up (the hand would stand in the table or the object)."""
 
 
+class UnstableObjectError(Exception):
+    """An object that does not stand by itself where a trial begins."""
+
+
 class WorldCrashError(Exception):
     """The simulation left the realm of numbers (not-a-number states) or its engine gave up."""
 

@@ -66,9 +66,14 @@ SCENE = (
 WORLDS = (
     _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
     _floating("a box in the floating world", scene="object: {box: {size: [0.1, 0.1, 0.1]}}"),
-    Case("an ellipsoid in bullet", spec(scene="world: bullet, object: {ellipsoid: {size: [0.1, 0.1, 0.2]}}")),
-    Case("a bottle of the catalogue in bullet", spec(scene="world: bullet, object: bottle")),
-    Case("something like a bottle in bullet", spec(scene="world: bullet, object: {like: bottle, fixed: true}")),
+    _floating("a bottle of several parts in the floating world", scene="object: {like: squirt-bottle, fixed: true}"),
+    Case(
+        "a bottle in bullet with a neck wider than its body",
+        spec(
+            scene="world: bullet, object: {bottle: {diameter: 0.08, height: 0.22, neck_diameter: 0.09, "
+            "body_height: 0.13, neck_height: 0.04, shoulder: 0.015, edge: 0.008}}"
+        ),
+    ),
     Case(
         "bare contacts in bullet",
         spec(

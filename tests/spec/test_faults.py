@@ -31,7 +31,8 @@ def place(diagnostic: Diagnostic) -> str:
 
 DISTRIBUTION = "a number, {uniform: [low, high]}, {normal: [mean, sd]} or {choice: [a, b, …]}"
 OBJECT = "the name of an object, or an object such as {cylinder: {diameter: 0.10, height: 0.20}}"
-SHAPE = "an object has exactly one shape (cylinder, sphere, box, ellipsoid, superquadric, bottle, or like), found"
+SHAPES = "cylinder, sphere, box, ellipsoid, superquadric, bottle, mesh, urdf, or like"
+SHAPE = f"an object has exactly one shape ({SHAPES}), found"
 
 
 @pytest.mark.parametrize(

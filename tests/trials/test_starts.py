@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graspdsl.hands.descriptions import hands
+from graspdsl.objects.facets import shaded
 from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.trials import Start as StartSpec
 from graspdsl.trials.starts import PLACEMENTS_EACH, draws, generator, pose
@@ -100,3 +101,14 @@ def test_a_trial_draws_the_same_whatever_else_is_run() -> None:
     assert first == last[::-1]
     assert len(set(first)) == 5
     assert first != [next(draws(spec, ROLL, PALM, generator(8, trial))).drawn["roll"] for trial in range(5)]
+
+
+@given(ANGLES, st.sampled_from(["box", "squirt-bottle", "detergent-bottle", "ellipsoid"]))
+def test_the_standoff_is_counted_from_what_the_object_shows_to_the_palm(yaw: float, name: str) -> None:
+    """No part of an object is nearer to the palm than the standoff, and some part is as near."""
+    body = catalogue()[name]
+    start = pose("side", {**LEVEL, "yaw": yaw, "standoff": 0.05}, body, PALM)
+    normal = start.rotation[:, 2]
+    palm = (start.position + PALM * normal) @ normal
+    nearest = min((part.vertices @ normal).min() for part in shaded(body.shape))
+    assert nearest - palm == pytest.approx(0.05, abs=2e-4)

@@ -112,11 +112,13 @@ class Profile:
 
         return accepted(count, random, draw)
 
-    def outline(self, count: int) -> Array:
-        """Points (n, 2) along the curve for drawing, ``count`` for each half turn of an arc."""
+    def outline(self, count: int, finest: float = 0.0) -> Array:
+        """Points (n, 2) along the curve, ``count`` for each half turn of an arc, but no nearer than ``finest`` [m]."""
         parts = [self.lines.start[:1]]
         for arc, half in enumerate(self.arcs.half):
-            steps = max(1, int(np.ceil(count * 2.0 * half / np.pi)))
+            share = 2.0 * half / np.pi
+            most = np.pi * share * self.arcs.radius[arc] / finest if finest > 0.0 else np.inf
+            steps = max(1, int(np.ceil(min(count * share, most))))
             parts.append(self.arcs.at(slice(arc, arc + 1), np.linspace(-1.0, 1.0, steps + 1)))
         parts.append(self.lines.start[-1:] + self.lines.length[-1:, None] * self.lines.direction[-1:])
         points = np.concatenate(parts)

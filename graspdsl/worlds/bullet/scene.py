@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
-from graspdsl.worlds.bullet.hand import BulletHand, rotation_matrix
+from graspdsl.objects.shapes import Body, Sphere
+from graspdsl.worlds.bullet.hand import BulletHand
+from graspdsl.worlds.bullet.solids import put_body
 
 TABLE_SIZE = (1.6, 1.6, 0.05)
 OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
-PAPER = (0.93, 0.91, 0.86, 1.0)
+UP = np.array([0.0, 0.0, 1.0])
+
+Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
 
 
 class Anchor(enum.Enum):
@@ -35,12 +37,12 @@ class Scene:
 
     def __init__(self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor) -> None:
         self._engine, self._client = engine, client
-        self.table = self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in TABLE_SIZE]}, 0.0, WOOD)
-        self._move(self.table, -TABLE_SIZE[2] / 2 - (OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0))
+        self.table = self._put_table(-OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0)
         self.mass = body.mass
         self._rolls = isinstance(body.shape, Sphere)
-        self.object = self._object(body if anchor is not Anchor.WORLD else replace(body, mass=0.0))
-        self._move(self.object, body.shape.extent[2] / 2)
+        self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD)
+        self.object = self._body.index
+        self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
         engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
         engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
@@ -67,43 +69,33 @@ class Scene:
             physicsClientId=client,
         )
 
-    def _object(self, body: Body) -> int:
-        engine, shape = self._engine, body.shape
-        if isinstance(shape, Cylinder):
-            form = {"radius": shape.diameter / 2, "height": shape.height}
-            return self._solid(engine.GEOM_CYLINDER, form, body.mass, PAPER)
-        if isinstance(shape, Box):
-            return self._solid(engine.GEOM_BOX, {"halfExtents": [s / 2 for s in shape.size]}, body.mass, PAPER)
-        if isinstance(shape, Sphere):
-            return self._solid(engine.GEOM_SPHERE, {"radius": shape.diameter / 2}, body.mass, PAPER)
-        raise ValueError(f"the bullet world has no {type(shape).__name__.lower()}")
-
-    def _solid(self, kind: int, form: dict[str, Any], mass: float, colour: tuple[float, ...]) -> int:
-        engine, client = self._engine, self._client
-        seen = {"length" if key == "height" else key: value for key, value in form.items()}
-        collision = engine.createCollisionShape(kind, **form, physicsClientId=client)
-        visual = engine.createVisualShape(kind, **seen, rgbaColor=colour, physicsClientId=client)
-        index: int = engine.createMultiBody(mass, collision, visual, physicsClientId=client)
+    def _put_table(self, top: float) -> int:
+        engine, client, half = self._engine, self._client, [size / 2 for size in TABLE_SIZE]
+        collision = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
+        visual = engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=WOOD, physicsClientId=client)
+        place = [0.0, 0.0, top - half[2]]
+        index: int = engine.createMultiBody(0.0, collision, visual, place, physicsClientId=client)
         return index
 
-    def _move(self, body: int, height: float) -> None:
-        self._engine.resetBasePositionAndOrientation(body, [0, 0, height], [0, 0, 0, 1], self._client)
+    def place(self, pose: Pose) -> None:
+        """Put the object into a pose, at rest."""
+        self._engine.resetBasePositionAndOrientation(self.object, *pose, self._client)
+        self._engine.resetBaseVelocity(self.object, [0, 0, 0], [0, 0, 0], self._client)
 
     def mark_rest(self) -> None:
         """Take the object's present pose as the one it is compared with."""
-        self._rest_axis = self.object_pose()[1][:, 2]
+        self._rest_up = self.object_pose()[1].T @ UP
 
     def object_pose(self) -> tuple[Array, Array]:
         """The object's centre of mass (3,) [m] and the rotation (3, 3) of its body frame."""
-        position, quaternion = self._engine.getBasePositionAndOrientation(self.object, self._client)
-        return np.array(position), rotation_matrix(quaternion)
+        return self._body.pose(self._engine, self._client)
 
     def lean(self) -> float:
-        """The angle [rad] between the object's axis now and at rest; a ball may roll and never leans."""
+        """The angle [rad] by which what was up in the object at rest is off the vertical; a ball may roll."""
         if self._rolls:
             return 0.0
-        axis = self.object_pose()[1][:, 2]
-        return math.acos(min(1.0, max(-1.0, float(axis @ self._rest_axis))))
+        up = self.object_pose()[1] @ self._rest_up
+        return math.atan2(float(np.hypot(up[0], up[1])), float(up[2]))
 
     def clearance(self, hand: int, links: set[int] | None, within: float) -> float:
         """The least distance [m] between these links of the hand (None: all) and the table or the object.

@@ -16,6 +16,7 @@ from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.scene import Anchor, Scene
+from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
 from graspdsl.worlds.bullet.touch import Fingertips, TouchSettings
 from graspdsl.worlds.protocol import (
     Command,
@@ -28,7 +29,7 @@ from graspdsl.worlds.protocol import (
 )
 
 CONTROL_RATE = 50.0  # Hz
-PHYSICS_STEPS = 10  # a tick
+PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
 SETTLE_TICKS = 10
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
 CLOSING_STEP = 0.02  # rad
@@ -68,10 +69,13 @@ class BulletWorld:
         with silenced():
             self._client = engine.connect(engine.DIRECT)
         client = self._client
-        engine.setTimeStep(1.0 / (CONTROL_RATE * PHYSICS_STEPS), client)
+        engine.setTimeStep(TIME_STEP, client)
         engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
         engine.setGravity(0, 0, -self.settings.gravity, client)
         self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
+        if self.settings.anchor is Anchor.NONE:
+            pose = resting_pose(self.settings.body, self.settings.table_friction, self.settings.gravity)
+            self._scene.place(pose)
         self.hand = BulletHand(engine, client, self.settings.robot, *self._base(start), self.settings.friction)
         self._target = self._start_posture(start)
         self._stopped = np.zeros(len(self.info.joints), dtype=bool)
@@ -212,7 +216,7 @@ class BulletWorld:
             forces=forces,
             object_position=position,
             object_rotation=rotation,
-            object_axis=rotation[:, 2],
+            object_axis=rotation @ np.array(self.settings.body.major_axis),
             object_lean=self._scene.lean(),
             touching_links=self._scene.other_links(self.hand),
             table_links=self._scene.table_links(self.hand),

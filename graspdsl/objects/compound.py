@@ -1,0 +1,108 @@
+"""Shapes put together from rounded, tapering parts: bottles as they stand in a kitchen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
+from graspdsl.objects.surfaces.profile import Pair, Profile, rounded
+from graspdsl.objects.triangles import TriangleMesh
+
+
+@dataclass(frozen=True)
+class Loft:
+    """Sections along z: at each height |x/ρ|^n + |y/(wρ)|^n ≤ 1, with half width ρ(z) [m] along x.
+
+    ``corners`` are the (ρ, z) [m] of the outline from the bottom to the top, each rounded by its radius in
+    ``roundings`` [m]; ``width`` w (1) is the size along y over that along x; ``exponent`` n (1) goes from an ellipse
+    (2) to nearly a rectangle (10).
+    """
+
+    corners: tuple[Pair, ...]
+    roundings: tuple[float, ...]
+    width: float = 1.0
+    exponent: float = 2.0
+
+    @cached_property
+    def profile(self) -> Profile:
+        """The rounded outline (ρ, z), from axis to axis. Raises ValueError when the roundings do not fit."""
+        (_, low), (_, high) = self.corners[0], self.corners[-1]
+        return rounded(((0.0, low), *self.corners, (0.0, high)), self.roundings)
+
+    def support(self, direction: Array) -> float:
+        """How far the part reaches from its origin along a unit vector (3,) [m]."""
+        dual = self.exponent / (self.exponent - 1.0)
+        x, y, z = direction
+        level = np.linalg.norm([x, self.width * y], ord=dual)
+        length = math.hypot(level, z)
+        return length * self.profile.reach(float(level) / length, float(z) / length)
+
+
+Part = Loft | Box | Cylinder | Sphere | TriangleMesh
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A part of a compound: its origin at ``at`` (3,) [m], turned by roll, pitch and yaw [rad], as in a URDF."""
+
+    part: Part
+    at: Extent
+    rpy: Extent = (0.0, 0.0, 0.0)
+
+    @property
+    def rotation(self) -> Array:
+        """The part's axes in the frame of the compound (3, 3): about x, then y, then z of that frame."""
+        (a, b, c), (sa, sb, sc) = np.cos(self.rpy), np.sin(self.rpy)
+        about_z = np.array([[c, -sc, 0.0], [sc, c, 0.0], [0.0, 0.0, 1.0]])
+        about_y = np.array([[b, 0.0, sb], [0.0, 1.0, 0.0], [-sb, 0.0, b]])
+        about_x = np.array([[1.0, 0.0, 0.0], [0.0, a, -sa], [0.0, sa, a]])
+        rotation: Array = about_z @ about_y @ about_x
+        return rotation
+
+    def support(self, direction: Array) -> float:
+        """How far the part reaches from the compound's origin along a unit vector (3,) [m]."""
+        return float(direction @ np.array(self.at)) + self.part.support(self.rotation.T @ direction)
+
+
+@dataclass(frozen=True)
+class Compound:
+    """Parts that touch and do not overlap; the origin is on the axis of the whole, at half its height.
+
+    ``from_elsewhere``: its origin and its axes mean nothing, so that its longest extent is its major axis.
+    """
+
+    parts: tuple[Placed, ...]
+    from_elsewhere: bool = False
+
+    @cached_property
+    def extent(self) -> Extent:
+        """Full size along x, y, z [m]."""
+        x, y, z = (self.support(axis) + self.support(-axis) for axis in np.eye(3))
+        return (x, y, z)
+
+    def support(self, direction: Array) -> float:
+        """How far the shape reaches from its origin along a unit vector (3,) [m]."""
+        return max(placed.support(direction) for placed in self.parts)
+
+
+def standing(parts: Sequence[Placed]) -> Compound:
+    """The compound of parts whose heights are counted from the lowest point of the whole, on the axis of the whole."""
+    return Compound(_moved(parts, (0.0, 0.0, -Compound(tuple(parts)).extent[2] / 2)))
+
+
+def centred(parts: Sequence[Placed]) -> Compound:
+    """The compound of parts from elsewhere, about the centre of its bounding box."""
+    whole = Compound(tuple(parts))
+    x, y, z = ((whole.support(-axis) - whole.support(axis)) / 2 for axis in np.eye(3))
+    return Compound(_moved(parts, (x, y, z)), from_elsewhere=True)
+
+
+def _moved(parts: Sequence[Placed], by: Extent) -> tuple[Placed, ...]:
+    x, y, z = by
+    return tuple(replace(p, at=(p.at[0] + x, p.at[1] + y, p.at[2] + z)) for p in parts)

@@ -1,0 +1,99 @@
+"""The files that describe a user's own object, read within the folder of the spec and within bounds."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError
+
+LARGEST = 64 * 1024 * 1024  # bytes
+KEPT = "absolute-paths"  # where a run keeps its copies of files that a spec names by absolute paths
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectFile:
+    """A file that was read: its place in a folder of copies, and its content."""
+
+    kept_as: Path
+    content: bytes
+
+
+@dataclass(slots=True)
+class ObjectFolder:
+    """Where the files of an object are looked for, and those that have been read.
+
+    A relative path may not leave the folder, through ``..`` or through a link; an absolute one names any file. In the
+    folder of a run, which holds copies, the copy of a file with an absolute path comes before the file itself.
+    """
+
+    path: Path
+    files: list[ObjectFile] = field(default_factory=list)
+
+    def read(self, name: str) -> bytes:
+        """The content of a file. Raises DiagnosticError when there is none, or it is no plain file of moderate size."""
+        place = self._place(name)
+        try:
+            mode = place.stat()
+            if stat.S_ISDIR(mode.st_mode):
+                raise refusal("is-a-directory", f"{name} is a directory, not a file", "name a file in it")
+            if not stat.S_ISREG(mode.st_mode):
+                # A pipe or a device may never end, or never begin.
+                raise refusal("not-a-file", f"{name} is not a regular file", None)
+            if mode.st_size <= LARGEST:
+                with place.open("rb") as file:
+                    content = file.read(LARGEST + 1)
+            if mode.st_size > LARGEST or len(content) > LARGEST:
+                size = max(mode.st_size, LARGEST + 1)
+                message = f"{name} is too large: {size} bytes, where an object's file may have {LARGEST}"
+                raise refusal("file-too-large", message, "simplify it")
+        except FileNotFoundError:
+            raise refusal("file-not-found", f"there is no file {name}", _looked_in(name)) from None
+        except PermissionError:
+            raise refusal("file-not-readable", f"no permission to read {name}", None) from None
+        except OSError as error:
+            reason = (error.strerror or "unknown reason").lower()
+            raise refusal("file-not-readable", f"cannot read {name}: {reason}", None) from None
+        self.files.append(ObjectFile(_kept_as(name), content))
+        return content
+
+    @property
+    def digest(self) -> str:
+        """A hash of all that has been read; empty when nothing has."""
+        if not self.files:
+            return ""
+        each = "".join(hashlib.sha256(file.content).hexdigest() for file in self.files)
+        return hashlib.sha256(each.encode()).hexdigest()
+
+    def _place(self, name: str) -> Path:
+        try:
+            kept = _kept_as(name)
+            if Path(name).is_absolute():
+                copy = self.path / kept
+                return copy if copy.is_file() else Path(name)
+            place, folder = (self.path / name).resolve(), self.path.resolve()
+        except RuntimeError:
+            raise refusal("link-loop", f"{name} is a symbolic link that leads back to itself", None) from None
+        except (OSError, ValueError):
+            raise refusal("file-not-found", "this cannot be the name of a file", None) from None
+        if kept.parts[:1] == ("..",) or not place.is_relative_to(folder):
+            message = f"{name} leads out of the folder of the spec"
+            raise refusal("outside-of-folder", message, "move the file beside the spec, or write its absolute path")
+        return place
+
+
+def _kept_as(name: str) -> Path:
+    plain = Path(os.path.normpath(name))
+    return Path(KEPT, *plain.parts[1:]) if plain.is_absolute() else plain
+
+
+def _looked_in(name: str) -> str | None:
+    return None if Path(name).is_absolute() else "a relative path starts at the folder of the spec"
+
+
+def refusal(code: str, message: str, hint: str | None) -> DiagnosticError:
+    """One complaint, without a place."""
+    return DiagnosticError([Diagnostic(code, message, hint=hint)])

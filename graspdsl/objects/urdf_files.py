@@ -1,0 +1,209 @@
+"""URDF files as solids: their collision geometry about the centre of its bounding box, as one rigid body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.diagnostics import Diagnostic
+from graspdsl.objects.compound import Compound, Part, Placed, centred
+from graspdsl.objects.files import ObjectFolder, refusal
+from graspdsl.objects.mesh_files import mesh_of_file
+from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
+
+LARGEST = 1024 * 1024  # bytes
+MOST_PARTS = 200
+MOST_LENGTH = 1e6  # m
+PACKAGE = "package://"
+
+Warn = Callable[[Diagnostic], None]
+
+
+class Frame(NamedTuple):
+    """Where a link or a part of it is: position (3,) [m] and rotation (3, 3)."""
+
+    position: Array
+    rotation: Array
+
+    def then(self, other: Frame) -> Frame:
+        """A frame given in this one."""
+        return Frame(self.position + self.rotation @ other.position, self.rotation @ other.rotation)
+
+
+ORIGIN = Frame(np.zeros(3), np.eye(3))
+
+
+class UrdfObject(NamedTuple):
+    """The shape of a URDF and the sum of the masses [kg] that it states, zero where it states none."""
+
+    shape: Compound
+    mass: float
+
+
+def object_of_urdf(name: str, folder: ObjectFolder, warn: Warn) -> UrdfObject:
+    """The collision geometry of a URDF file as one solid; its inertias are not believed.
+
+    Raises DiagnosticError when it has none, is no URDF, or has joints that move.
+    """
+    if PurePosixPath(name).suffix.lower() != ".urdf":
+        raise refusal("unknown-urdf-format", f"{name} is no URDF file: expected .urdf", "name a .urdf, or use mesh")
+    content = folder.read(name)
+    if len(content) > LARGEST:
+        raise refusal("file-too-large", f"{name} is too large: a URDF may have {LARGEST} bytes", None)
+    return _Urdf(name, content, folder, warn).read()
+
+
+class _Urdf:
+    def __init__(self, name: str, content: bytes, folder: ObjectFolder, warn: Warn) -> None:
+        self._name, self._folder, self._warn = name, folder, warn
+        if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+            raise refusal("bad-urdf", f"{name} declares entities, which no URDF needs", "leave its DOCTYPE out")
+        try:
+            self._robot = ElementTree.fromstring(content)
+        except ElementTree.ParseError as error:
+            line, column = error.position
+            message = f"{name} is no XML: line {line}, column {column + 1}"
+            raise refusal("bad-urdf", message, "check that it is a URDF file") from None
+        if self._robot.tag != "robot":
+            raise self._bad(f"its root is <{self._robot.tag}>, not <robot>")
+
+    def read(self) -> UrdfObject:
+        links = {link.get("name", ""): link for link in self._robot.iter("link")}
+        frames = self._frames(links)
+        parts = [
+            self._placed(frames[name].then(frame), part) for name in links for frame, part in self._parts(links[name])
+        ]
+        if not parts:
+            raise self._bad("it has no collision geometry")
+        if len(parts) > MOST_PARTS:
+            raise self._bad(f"it has {len(parts)} parts, where an object may have {MOST_PARTS}")
+        masses = [self._number(m, "value", 0.0) for link in links.values() for m in link.findall("inertial/mass")]
+        return UrdfObject(centred(parts), max(sum(masses), 0.0))
+
+    def _frames(self, links: dict[str, ElementTree.Element]) -> dict[str, Frame]:
+        """Each link's frame in that of the root, all joints fixed."""
+        joints: dict[str, tuple[str, Frame]] = {}
+        for joint in self._robot.findall("joint"):
+            name, kind = joint.get("name", ""), joint.get("type", "")
+            if kind != "fixed":
+                raise self._bad(f"its joint {name} is {kind or 'of no type'}: an object is one rigid body")
+            parent, child = (
+                element.get("link", "") if (element := joint.find(tag)) is not None else ""
+                for tag in ("parent", "child")
+            )
+            if parent not in links or child not in links or child in joints:
+                raise self._bad(f"its joint {name} does not join two links into a tree")
+            joints[child] = (parent, self._frame(joint))
+        frames: dict[str, Frame] = {}
+        for name in links:
+            frame, at = ORIGIN, name
+            for _ in links:
+                if at not in joints:
+                    break
+                at, step = joints[at]
+                frame = step.then(frame)
+            if at in joints:
+                raise self._bad("its joints go round in a circle")
+            frames[name] = frame
+        if len(set(links) - set(joints)) != 1:
+            raise self._bad("its links are not joined to one body")
+        return frames
+
+    def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Part]]:
+        for collision in link.findall("collision"):
+            for geometry in collision.findall("geometry/*"):
+                yield self._frame(collision), self._part(geometry)
+
+    def _part(self, geometry: ElementTree.Element) -> Part:
+        match geometry.tag:
+            case "box":
+                return Box(self._lengths(geometry, "size"))
+            case "sphere":
+                return Sphere(2 * self._length(geometry, "radius"))
+            case "cylinder":
+                return Cylinder(2 * self._length(geometry, "radius"), self._length(geometry, "length"))
+            case "mesh":
+                name = self._file(geometry.get("filename", ""))
+                scale = np.array(self._numbers(geometry, "scale", (1.0, 1.0, 1.0)))
+                if not (np.abs(scale) > 0.0).all():
+                    raise self._bad("the scale of a mesh is zero")
+                return mesh_of_file(name, self._folder.read(name), scale, None, self._warn, centred=False)
+        raise self._bad(f"it has geometry of an unknown kind, <{geometry.tag}>")
+
+    def _file(self, filename: str) -> str:
+        """The path of a mesh, as a path in the spec would be."""
+        here = PurePosixPath(self._name).parent
+        if not filename.startswith(PACKAGE):
+            path = here / filename.removeprefix("file://")
+            if path.is_absolute() and not here.is_absolute():
+                message = f"{self._name} names a file outside of the folder of the spec: {path}"
+                raise refusal("outside-of-folder", message, "write the absolute path of the URDF itself")
+            return str(path)
+        package, _, rest = filename.removeprefix(PACKAGE).partition("/")
+        # A package is a folder about the URDF that bears its name.
+        about = next((folder for folder in (here, *here.parents) if folder.name == package), here)
+        return str(about / rest)
+
+    def _placed(self, frame: Frame, part: Part) -> Placed:
+        x, y, z = frame.position.tolist()
+        return Placed(part, (x, y, z), _angles(frame.rotation))
+
+    def _frame(self, element: ElementTree.Element) -> Frame:
+        origin = element.find("origin")
+        if origin is None:
+            return ORIGIN
+        turned = Placed(Sphere(1.0), (0.0, 0.0, 0.0), self._numbers(origin, "rpy", (0.0, 0.0, 0.0)))
+        return Frame(np.array(self._numbers(origin, "xyz", (0.0, 0.0, 0.0))), turned.rotation)
+
+    def _numbers(self, element: ElementTree.Element, key: str, otherwise: Extent | None) -> Extent:
+        text = element.get(key)
+        if text is None and otherwise is not None:
+            return otherwise
+        try:
+            x, y, z = (float(number) for number in (text or "").split())
+        except ValueError:
+            raise self._bad(f"expected three numbers in the {key} of its <{element.tag}>, found {text!r}") from None
+        if not max(abs(x), abs(y), abs(z)) < MOST_LENGTH:
+            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}")
+        return x, y, z
+
+    def _number(self, element: ElementTree.Element, key: str, otherwise: float | None) -> float:
+        text = element.get(key)
+        if text is None and otherwise is not None:
+            return otherwise
+        try:
+            number = float(text or "")
+        except ValueError:
+            raise self._bad(f"expected a number in the {key} of its <{element.tag}>, found {text!r}") from None
+        if not abs(number) < MOST_LENGTH:
+            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}")
+        return number
+
+    def _length(self, element: ElementTree.Element, key: str) -> float:
+        length = self._number(element, key, None)
+        if length <= 0.0:
+            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {length:g}")
+        return length
+
+    def _lengths(self, element: ElementTree.Element, key: str) -> Extent:
+        lengths = self._numbers(element, key, None)
+        if min(lengths) <= 0.0:
+            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {lengths}")
+        return lengths
+
+    def _bad(self, what: str) -> Exception:
+        return refusal("bad-urdf", f"{self._name} is no URDF of an object: {what}", None)
+
+
+def _angles(rotation: Array) -> Extent:
+    """Roll, pitch and yaw [rad] of a rotation (3, 3)."""
+    pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
+    if math.cos(pitch) < 1e-9:
+        return (math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0)
+    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])

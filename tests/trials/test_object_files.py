@@ -1,0 +1,60 @@
+"""A run keeps the files of its object: it is repeated from them, wherever it is moved to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from graspdsl.compiler.program import Program, program_of
+from graspdsl.diagnostics import DiagnosticError
+from graspdsl.trials.loop import identity
+from graspdsl.trials.runner import execute, new_run, program_of_run
+from graspdsl.trials.store import RunFolder
+
+SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
+OVERRIDES = ("trials.count=2", "program.1.limit=1.0")
+
+
+def _program(file: Path | str, folder: Path) -> tuple[Program, str]:
+    text = SPEC.read_text("utf-8").replace("object: towel-roll", f"object: {{mesh: {{file: {file}}}}}")
+    return program_of(text, "spec.yaml", OVERRIDES, folder), text
+
+
+def _part(folder: Path, height: float = 0.18) -> Path:
+    folder.mkdir(exist_ok=True)
+    path = folder / "part.stl"
+    trimesh.creation.cylinder(radius=0.045, height=height).export(path)
+    return path
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+def test_a_run_is_finished_from_its_own_copies(absolute: bool, tmp_path: Path) -> None:
+    part = _part(tmp_path / "spec")
+    program, text = _program(part if absolute else part.name, part.parent)
+    folder = new_run(tmp_path / "run", program, text, "spec.yaml", OVERRIDES)
+    part.unlink()
+    folder.path.rename(tmp_path / "moved")
+    moved = RunFolder.open(tmp_path / "moved")
+    assert identity(program_of_run(moved), 0, 1) == identity(program, 0, 1)
+    execute(moved, workers=2)
+    assert [record.identity for record in moved.records()] == [
+        identity(program, n, moved.manifest.seed) for n in (0, 1)
+    ]
+
+
+def test_another_file_of_the_same_name_is_another_trial(tmp_path: Path) -> None:
+    first, _ = _program(_part(tmp_path / "spec").name, tmp_path / "spec")
+    second, _ = _program(_part(tmp_path / "spec", 0.16).name, tmp_path / "spec")
+    assert identity(first, 0, 1) != identity(second, 0, 1)
+
+
+def test_a_run_does_not_go_on_with_another_file(tmp_path: Path) -> None:
+    part = _part(tmp_path / "spec")
+    program, text = _program(part.name, part.parent)
+    folder = new_run(tmp_path / "run", program, text, "spec.yaml", ("trials.count=1", "program.1.limit=1.0"))
+    execute(folder, workers=1)
+    _part(folder.files, 0.16)
+    with pytest.raises(DiagnosticError, match="this run was made from another spec"):
+        execute(folder, workers=1)
