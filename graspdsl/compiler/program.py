@@ -19,6 +19,7 @@ from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_floating_shape, check_scene
+from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -104,6 +105,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     check_scene(document, complaints)
     if spec is not None:
         check_floating_shape(spec, document, complaints)
+    if spec is not None and check.robot is not None:
+        check_sensing(spec, document, check.robot, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or has_errors(diagnostics):
         return Examination(None, diagnostics)

@@ -11,7 +11,6 @@ from graspdsl.spec import scene as spec
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.scene import Anchor
-from graspdsl.worlds.bullet.touch import TouchSettings
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
 
@@ -36,10 +35,9 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
     body = body_of(scene.object)
     if program.world.floats:
         return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass)
-    touch = TouchSettings(sensing=scene.sensing or "load-cell")
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
-    settings = BulletSettings(program.robot, body, scene.friction, touch, anchor, GRAVITY)
+    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor, GRAVITY)
     return ProbingWorld(settings) if program.probes else BulletWorld(settings)
 
 

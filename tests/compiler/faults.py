@@ -56,6 +56,7 @@ def _chain(first: str, next_one: str) -> dict[str, str]:
     return {"π_a0|Γ Γ": first, **{f"π_a{i}|Γ Γ": next_one.replace("π_a", f"π_a{i - 1}") for i in range(1, 41)}}
 
 
+TOWEL_ROLL = "world: bullet, hand: barrett, object: towel-roll"
 SCENE = (
     Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
@@ -63,6 +64,7 @@ SCENE = (
 )
 WORLDS = (
     _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
+    _floating("a skin with parameters in the floating world", scene="object: ball, sensing: {skin: {pitch: 0.001}}"),
     _floating("a box in the floating world", scene="object: {box: {size: [0.1, 0.1, 0.1]}}"),
     Case("an ellipsoid in bullet", spec(scene="world: bullet, object: {ellipsoid: {size: [0.1, 0.1, 0.2]}}")),
     Case("a bottle of the catalogue in bullet", spec(scene="world: bullet, object: bottle")),
@@ -91,6 +93,18 @@ WORLDS = (
     ),
     _floating("a start of a hand in the floating world", start="roll: 0.3"),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
+)
+SENSING = (
+    Case("a sensor that is not there", spec(scene=f"{TOWEL_ROLL}, sensing: lod-cell")),
+    Case("a sensor with parameters that is not there", spec(scene=f"{TOWEL_ROLL}, sensing: {{skn: {{}}}}")),
+    Case("two sensors", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{}}, skin: {{}}}}")),
+    Case("a parameter of another sensor", spec(scene=f"{TOWEL_ROLL}, sensing: {{skin: {{force_noise: 0.1}}}}")),
+    Case("noise below zero", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{force_noise: -0.02}}}}")),
+    Case(
+        "a touch that ends above where it begins",
+        spec(scene=f"{TOWEL_ROLL}, sensing: {{exact: {{touch: {{begins: 0.03, ends: 0.06}}}}}}"),
+    ),
+    Case("a touch within the noise", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{force_noise: 0.8}}}}")),
 )
 NAMES = (
     _formula("a potential that is not there", "φ_frr|τ_frx(Γ) σ_fr(Γ)"),
@@ -188,12 +202,15 @@ PROGRAM = (
     Case("a parameter that is no number", spec("π_close|Γ Γ", parameters="κ_f: much")),
     _formula("a formula that cannot be read", "π_close|Γ"),
 )
+SENSED = spec(scene=f"{TOWEL_ROLL}, sensing: load-cell")
 OVERRIDES = (
     Case("a formula on the command line", spec(), ("program.0.run=π_close|Γ γ9",)),
     Case("a resource on the command line", spec(), ('resources.Γ="{γ1, <γ2, γ9>}"',)),
     Case("a controller on the command line", spec("π_a|Γ Γ"), ("controllers.π_a|Γ Γ=π_close|Γ γ1 then",)),
     Case("a parameter on the command line", spec("π_close|Γ Γ"), ("parameters.kappa_f=1",)),
     Case("a hand on the command line", spec(), ("scene.hand=baret",)),
+    Case("a parameter of another sensor than the file's on the command line", SENSED, ("scene.sensing.skin.pitch=1",)),
+    Case("a parameter of the file's sensor on the command line", SENSED, ("scene.sensing.load-cell.latency=1",)),
     Case("a condition on the command line", spec("π_close|Γ Γ"), ("program.0.until.force_residual=0.1",)),
 )
 SEVERAL = (
@@ -214,6 +231,7 @@ SEVERAL = (
 CASES = (
     *SCENE,
     *WORLDS,
+    *SENSING,
     *NAMES,
     *CONTROLLERS,
     *REFERENCES,
