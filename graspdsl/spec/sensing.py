@@ -1,8 +1,10 @@
 """What a contact feels through: four kinds of tactile sensors with their imperfections.
 
 A sensor takes samples; each is the physical value + bias + drift + white noise, rounded to its quantum. The samples of
-a control tick are averaged, those of a slower sensor held; readings arrive later by the latency. The random numbers
-come from the trial's seed alone. Every parameter is zero unless it is given: a sensor without parameters is perfect.
+a control tick are filtered and averaged, those of a slower sensor held; they arrive later by the latency. The random
+numbers come from the trial's seed alone. A sensor without parameters is perfect: one true value each control tick. A
+sensor with any noise, bias, drift or quantum also samples, filters and tares as is usual for its kind, unless told
+otherwise.
 """
 
 from __future__ import annotations
