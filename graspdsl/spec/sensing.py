@@ -257,7 +257,7 @@ SENSORS: dict[str, type[TactileSensor]] = {
 class Sensing(Model):
     """Exactly one sensor with its parameters."""
 
-    model_config = ConfigDict(serialize_by_alias=True)
+    model_config = ConfigDict(serialize_by_alias=True, json_schema_extra={"minProperties": 1, "maxProperties": 1})
 
     load_cell: LoadCell | None = Field(default=None, alias="load-cell", description="fingertip load cells")
     skin: Skin | None = Field(default=None, description="taxels on the fingertips")

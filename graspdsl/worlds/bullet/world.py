@@ -15,7 +15,7 @@ from graspdsl.spec.sensing import LoadCell, TactileSensor
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Anchor, Scene
-from graspdsl.worlds.bullet.touch import Fingertips
+from graspdsl.worlds.bullet.touch import Clock, Fingertips
 from graspdsl.worlds.protocol import (
     Command,
     InfeasibleStartError,
@@ -79,7 +79,7 @@ class BulletWorld:
         if self.settings.anchor is Anchor.HAND:
             self._scene.attach(self.hand)
         self._ticks = 0
-        clock = (CONTROL_RATE * PHYSICS_STEPS, CONTROL_RATE)
+        clock = Clock(CONTROL_RATE * PHYSICS_STEPS, CONTROL_RATE)
         self._tips = Fingertips(self.hand, self._scene, self.settings.sensing, self.settings.gravity, clock, seed)
         for _ in range(SETTLE_TICKS):
             self._simulate()

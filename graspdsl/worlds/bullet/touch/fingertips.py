@@ -13,7 +13,7 @@ from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.touch.exact import ExactContacts
 from graspdsl.worlds.bullet.touch.load_cells import LoadCells
 from graspdsl.worlds.bullet.touch.proximity import ProximitySensors
-from graspdsl.worlds.bullet.touch.sensor import Sensor
+from graspdsl.worlds.bullet.touch.sensor import Clock, Sensor
 from graspdsl.worlds.bullet.touch.skins import Skins
 
 
@@ -31,7 +31,7 @@ class Reading(NamedTuple):
 class Fingertips:
     """The tactile sensors of all fingertips, with the memory of the hand: touch hysteresis and the last normals.
 
-    clock: the rates [Hz] of the engine's steps and of the control; seed: of all that is random in the sensors.
+    seed: of all that is random in the sensors.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class Fingertips:
         scene: Scene,
         spec: TactileSensor,
         gravity: float,
-        clock: tuple[float, float],
+        clock: Clock,
         seed: int,
     ) -> None:
         self._hand, self._touch = hand, spec.touch
@@ -107,7 +107,7 @@ def _sensor(
     scene: Scene,
     spec: TactileSensor,
     gravity: float,
-    clock: tuple[float, float],
+    clock: Clock,
     seed: np.random.SeedSequence,
 ) -> Sensor:
     match spec:

@@ -7,7 +7,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.spec.sensing import LoadCell
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.touch.sensor import Contact, Frames, RestReadings, signal_of
+from graspdsl.worlds.bullet.touch.sensor import Clock, Contact, Frames, RestReadings, signal_of
 from graspdsl.worlds.fingertip_surfaces import fingertip_surface
 from graspdsl.worlds.sensor_signal import Flaws
 
@@ -24,7 +24,7 @@ class LoadCells:
         spec: LoadCell,
         hand: BulletHand,
         gravity: float,
-        clock: tuple[float, float],
+        clock: Clock,
         seed: np.random.SeedSequence,
     ) -> None:
         self._hand = hand

@@ -8,7 +8,7 @@ from graspdsl.arrays import Array
 from graspdsl.spec.sensing import Proximity
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.touch.sensor import Contact, Frames, signal_of
+from graspdsl.worlds.bullet.touch.sensor import Clock, Contact, Frames, signal_of
 from graspdsl.worlds.fingertip_surfaces import fingertip_surface
 from graspdsl.worlds.sensor_signal import Flaws
 
@@ -28,7 +28,7 @@ class ProximitySensors:
         spec: Proximity,
         hand: BulletHand,
         scene: Scene,
-        clock: tuple[float, float],
+        clock: Clock,
         seed: np.random.SeedSequence,
     ) -> None:
         self._hand, self._scene, self._spec = hand, scene, spec

@@ -15,6 +15,13 @@ from graspdsl.worlds.sensor_signal import Flaws, SensorSignal, Timing
 Frames = Sequence[tuple[Array, Array]]
 
 
+class Clock(NamedTuple):
+    """The rates [Hz] of the engine's steps and of the control's ticks."""
+
+    engine: float
+    control: float
+
+
 class Contact(NamedTuple):
     """A contact as it is felt: its place in the frame of the tip's link; point, normal into the object and force on it
     in the world, (3,) each."""
@@ -58,12 +65,12 @@ class Sensor(Protocol):
 
 
 def signal_of(
-    spec: SampledSensor, flaws: Flaws, hand: BulletHand, clock: tuple[float, float], seed: np.random.SeedSequence
+    spec: SampledSensor, flaws: Flaws, hand: BulletHand, clock: Clock, seed: np.random.SeedSequence
 ) -> SensorSignal:
-    """The signal of a sensor in every tip; clock: the rates [Hz] of the engine's steps and of the control."""
-    engine_rate, control_rate = clock
-    period = round(engine_rate / control_rate)
-    timing = Timing(spec.sampling_rate or control_rate, spec.latency, spec.time_constant, 1.0 / engine_rate, period)
+    """The signal of a sensor in every tip."""
+    period = round(clock.engine / clock.control)
+    rate = spec.sampling_rate or clock.control
+    timing = Timing(rate, spec.latency, spec.time_constant, 1.0 / clock.engine, period)
     return SensorSignal(flaws, timing, seed.spawn(len(hand.tips)))
 
 

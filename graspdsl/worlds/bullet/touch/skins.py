@@ -8,7 +8,7 @@ from graspdsl.arrays import Array
 from graspdsl.spec.sensing import Skin
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.touch.sensor import Contact, Frames, RestReadings, signal_of
+from graspdsl.worlds.bullet.touch.sensor import Clock, Contact, Frames, RestReadings, signal_of
 from graspdsl.worlds.fingertip_surfaces import fingertip_surface
 from graspdsl.worlds.sensor_signal import Flaws
 
@@ -23,9 +23,7 @@ class Skins:
     centroid, put on the tip's surface, its force the sum of that pressure along the surface's normal.
     """
 
-    def __init__(
-        self, spec: Skin, hand: BulletHand, scene: Scene, clock: tuple[float, float], seed: np.random.SeedSequence
-    ) -> None:
+    def __init__(self, spec: Skin, hand: BulletHand, scene: Scene, clock: Clock, seed: np.random.SeedSequence) -> None:
         self._hand, self._scene, self._spec = hand, scene, spec
         self._surfaces = [fingertip_surface(tip.shape) for tip in hand.tips]
         self._taxels = [surface.taxels(spec.pitch) for surface in self._surfaces]
@@ -37,7 +35,7 @@ class Skins:
             quantum=np.full(self._count, spec.taxel_quantum),
         )
         self._signal = signal_of(spec, flaws, hand, clock, seed)
-        noise = TAXEL_DEVIATIONS * spec.taxel_noise_at(clock[1])
+        noise = TAXEL_DEVIATIONS * spec.taxel_noise_at(clock.control)
         self._threshold = noise if spec.threshold is None else spec.threshold
         self._rest = RestReadings()
         self._zero = np.zeros((len(hand.tips), self._count))
