@@ -81,6 +81,7 @@ class _Lowering:
             leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
             ranks=tuple(number[rank] for rank in self._ranks),
             force_error=None if force_error is None else number[force_error],
+            limits=self._target.limits if space is GradientSpace.JOINTS else None,
         )
 
     def _largest_force_error(self) -> int | None:

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.worlds.protocol import Command, Observation
 
 
@@ -52,7 +52,7 @@ class Pipeline:
     ``command`` is the step whose value is the displacement; ``force_residual`` and ``moment_residual`` the steps of the
     sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources. ``ranks``: the dimensions of the null
     spaces that lower levels run in. ``force_error``: the largest distance [N] of a contact force from its reference,
-    None when no controller has one.
+    None when no controller has one. ``limits``: lower and upper (n,) of the joints that it drives [m or rad].
     """
 
     steps: tuple[Step, ...]
@@ -63,6 +63,7 @@ class Pipeline:
     leaks: tuple[Leak, ...]
     ranks: tuple[int, ...] = ()
     force_error: int | None = None
+    limits: tuple[Array, Array] | None = None
 
     def values(self, observation: Observation) -> list[Array]:
         """The value of every step for an observation, in the order of the steps."""
@@ -75,8 +76,17 @@ class Pipeline:
         return values
 
     def evaluate(self, observation: Observation) -> Tick:
-        """One tick: the command, the sensed residuals and the leaks."""
+        """One tick: the command, the sensed residuals and the leaks.
+
+        A joint that the command would take beyond a limit is locked, and the command made anew by the others, until
+        none is.
+        """
         values = self.values(observation)
+        locked = np.zeros_like(observation.joints, dtype=bool)
+        while (beyond := self._beyond(observation.joints, values[self.command])).any():
+            locked |= beyond
+            values = self.values(_with_locked(observation, locked))
+            values[self.command] = np.where(locked, 0.0, values[self.command])
         return Tick(
             command=Command(self.space, values[self.command]),
             force_residual=values[self.force_residual],
@@ -85,6 +95,22 @@ class Pipeline:
             leaks=tuple(float(values[leak.step]) for leak in self.leaks),
             ranks=tuple(int(values[rank]) for rank in self.ranks),
         )
+
+    def _beyond(self, joints: Array, displacement: Array) -> Flags:
+        """Which joints (n,) a displacement takes beyond their limits."""
+        if self.limits is None:
+            return np.zeros(0, dtype=bool)
+        lower, upper = self.limits
+        after = joints + displacement
+        return ((after < lower) & (displacement < 0.0)) | ((after > upper) & (displacement > 0.0))
+
+
+def _with_locked(observation: Observation, locked: Flags) -> Observation:
+    """An observation in which locked joints (n,) move no contact."""
+    free = np.where(locked, 0.0, 1.0)[..., None, None, :]
+    return replace(
+        observation, jacobian=observation.jacobian * free, angular_jacobian=observation.angular_jacobian * free
+    )
 
 
 @dataclass(slots=True)

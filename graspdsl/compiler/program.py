@@ -18,7 +18,7 @@ from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerR
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_floating_shape, check_scene
+from graspdsl.compiler.scene_check import check_floating_shape, check_scene, check_start_posture
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
@@ -106,6 +106,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = ()) -> Examinatio
     if spec is not None:
         check_floating_shape(spec, document, complaints)
     if spec is not None and check.robot is not None:
+        check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or has_errors(diagnostics):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.hands.descriptions import hands
+from graspdsl.diagnostics import known_names_hint
+from graspdsl.hands.descriptions import Robot, hands, joint_limits
 from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.shapes import Bottle, Ellipsoid, Superquadric, catalogue, shape_from
 from graspdsl.spec.constructing import Path
+from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
-HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
 
@@ -38,6 +40,24 @@ def check_floating_shape(spec: Spec, document: Document, complaints: Complaints)
         complaints.about(path)
         message = f"there is no such {kind}: {error}"
         complaints.error("impossible-shape", message, document.span(path), "make its sizes and roundings fit together")
+
+
+def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
+    """Complain about a start posture of joints that the hand has not, or beyond their limits."""
+    limits = dict(zip(robot.joints, zip(*joint_limits(robot), strict=True), strict=True)) if robot.hand.urdf else {}
+    for name, place in spec.trials.start.posture.items():
+        path: Path = ("trials", "start", "posture", name)
+        complaints.about(path)
+        if name not in robot.hand.joints:
+            message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
+            hint = known_names_hint(name, robot.hand.joints, "joints")
+            complaints.error("unknown-joint", message, document.key_span(path), hint)
+            continue
+        low, high = limits[name]
+        beyond = [number for number in numbers_of(place) if not low <= number <= high]
+        if beyond:
+            message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
+            complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
 
 
 class _Check:

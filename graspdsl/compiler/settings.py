@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graspdsl.hands.descriptions import Robot
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.spec.program import Control
 
 SLIDING_STEP, SLIDING_CAP = 0.01, 0.015  # curvature radii a tick
@@ -37,6 +40,12 @@ class Target:
         if self.control.cap is not None:
             return self.control.cap
         return self.control.curvature_radius * (PROBING_CAP if self.probing else SLIDING_CAP)
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Lower and upper limits (n,) of the joints [m or rad]."""
+        lower, upper = joint_limits(self.robot)
+        return np.array(lower), np.array(upper)
 
     @property
     def turning_joints(self) -> tuple[bool, ...]:

@@ -79,14 +79,27 @@ class Hand(Model):
     postures: dict[str, dict[str, float]] = Field(default={})
 
 
+class Base(Model):
+    """Where an arm stands in the world: the pose of its URDF's root, position [m] and fixed-axis angles [rad]."""
+
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
 class Mount(Model):
-    """A mount description file: what carries the hand."""
+    """A mount description file: what carries the hand.
+
+    With a ``base`` it is an arm that stands there and reaches for the start pose, its search for joint angles begun
+    from each of its ``postures``. Without, its root stands wherever a trial starts, all its joints at zero.
+    """
 
     mount: str
     about: str = ""
     urdf: str
     face: str
+    base: Base | None = None
     joints: dict[str, Joint]
+    postures: dict[str, dict[str, float]] = Field(default={})
     joint_sets: dict[str, tuple[str, ...]] = Field(default={})
 
 

@@ -70,8 +70,8 @@ Distribution = Annotated[
 ]
 
 
-def _numbers(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
-    """The numbers that must lie inside the bounds of a field."""
+def numbers_of(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
+    """The numbers of a distribution that must lie inside bounds: its ends, its mean or its choices."""
     if isinstance(value, Uniform):
         return value.uniform
     if isinstance(value, Normal):
@@ -81,7 +81,7 @@ def _numbers(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
 
 def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
     def check(value: float | Uniform | Normal | Choice) -> float | Uniform | Normal | Choice:
-        for number in _numbers(value):
+        for number in numbers_of(value):
             if not low <= number <= high:
                 message = f"expected numbers from {low:g} to {high:g} ({unit}), found {as_yaml(number)}"
                 raise fault("out-of-range", message, hint)
@@ -93,5 +93,6 @@ def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
 _TURN = 2 * math.pi
 
 Angle = Annotated[Distribution, Unit("rad"), _between(-_TURN, _TURN, "rad", "angles are in radians")]
+JointPlace = Annotated[Distribution, _between(-_TURN, _TURN, "rad or m", "angles are in radians, lengths in metres")]
 Length = Annotated[Distribution, Unit("m"), _between(-2.0, 2.0, "m", "lengths are in metres")]
 Gap = Annotated[Distribution, Unit("m"), _between(0.0, 2.0, "m", "lengths are in metres")]

@@ -127,8 +127,8 @@ class Scene(Model):
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: Literal["gantry"] = Field(
-        default="gantry", description="what carries the hand; gantry: a free wrist (6 axes)"
+    mount: Literal["gantry", "wam"] = Field(
+        default="gantry", description="what carries the hand; gantry: a free wrist (6 axes); wam: an arm (7 axes)"
     )
     object: ObjectChoice = Field(
         description="an object of the catalogue, or one described here", examples=["towel-roll"]

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from graspdsl.spec.distributions import Angle, Gap, Length
+from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length
 from graspdsl.spec.fields import Count, Model
 
 
@@ -24,6 +24,9 @@ class Start(Model):
     yaw: Angle = Field(default=0.0, description="direction (rad) the hand comes from, about the vertical")
     offset: Length = Field(default=0.0, description="sideways displacement (m) of the hand from the object's axis")
     tilt: Angle = Field(default=0.0, description="rotation (rad) of the palm's normal out of its plane of approach")
+    posture: dict[str, JointPlace] = Field(
+        default={}, description="joints (rad or m) of the hand that start elsewhere than in its open posture"
+    )
 
 
 class Trials(Model):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,8 +31,8 @@ def draws(
     """Start poses of the hand's mounting face before a standing object at the origin, one after the other.
 
     A world takes the first that it can take up. Since experiments ask how orientations fare, the next draw keeps the
-    orientation of the hand and draws its placement anew; after PLACEMENTS_EACH of them the orientation is drawn anew
-    too. Floating contacts have no hand: the world draws them itself. palm_surface [m] is the palm's distance ahead of
+    orientation and posture of the hand and draws its placement anew; after PLACEMENTS_EACH of them all are drawn anew.
+    Floating contacts have no hand: the world draws them itself. palm_surface [m] is the palm's distance ahead of
     the mounting face.
     """
     if floats:
@@ -39,9 +40,12 @@ def draws(
             yield Start(np.zeros(3), np.eye(3), {})
     while True:
         oriented = {name: _value(getattr(start, name), random) for name in ORIENTATION}
+        posture = {name: _value(place, random) for name, place in start.posture.items()}
         for _ in range(PLACEMENTS_EACH):
             placed = {name: _value(getattr(start, name), random) for name in PLACEMENT}
-            yield pose(start.approach or "side", {**oriented, **placed}, body, palm_surface)
+            yield replace(
+                pose(start.approach or "side", {**oriented, **placed, **posture}, body, palm_surface), posture=posture
+            )
 
 
 def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: float) -> Start:

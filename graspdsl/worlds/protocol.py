@@ -7,7 +7,7 @@ graders and tests may read.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from graspdsl.arrays import Array, Flags
@@ -95,12 +95,14 @@ class Truth:
 class Start:
     """Where a trial begins: the pose of the hand's mounting face; what was drawn stands in ``drawn``.
 
-    position: (3,) [m]; rotation: (3, 3), its z column points out of the palm.
+    position: (3,) [m]; rotation: (3, 3), its z column points out of the palm. posture: joints of the hand [rad or m]
+    that are not where its open posture has them.
     """
 
     position: Array
     rotation: Array
     drawn: Mapping[str, float]
+    posture: Mapping[str, float] = field(default_factory=dict)
 
 
 class Witness(Protocol):

@@ -20,6 +20,7 @@ ROBOT = TARGET.robot
 CONTACTS, JOINTS = len(ROBOT.contacts), len(ROBOT.joints)
 THUMB, FIRST, SECOND = (ROBOT.contacts.index(name) for name in ("finger-3", "finger-1", "finger-2"))
 WEIGHTS = np.array(ROBOT.weights)
+LOWER, UPPER = TARGET.limits
 
 
 def observation(seed: int = 7, *batch: int) -> Observation:
@@ -32,7 +33,7 @@ def observation(seed: int = 7, *batch: int) -> Observation:
         normals=normals / np.linalg.norm(normals, axis=-1, keepdims=True),
         forces=random.normal(size=(*batch, CONTACTS, 3)),
         touching=np.ones((*batch, CONTACTS), dtype=bool),
-        joints=random.normal(size=(*batch, JOINTS)),
+        joints=random.uniform(0.1, 0.9, size=(*batch, JOINTS)) * (UPPER - LOWER) + LOWER,
         jacobian=random.normal(scale=0.1, size=(*batch, CONTACTS, 3, JOINTS)),
         angular_jacobian=random.normal(size=(*batch, CONTACTS, 3, JOINTS)),
         orientations=random.normal(size=(*batch, CONTACTS, 3)),

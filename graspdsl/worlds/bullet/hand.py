@@ -44,7 +44,7 @@ class Tip:
 
 
 class BulletHand:
-    """A hand on its mount, loaded with its mounting face at a given pose and all mount joints at zero.
+    """A hand on its mount, loaded with its root at a given pose and all joints at zero.
 
     Joint vectors of length n are in command order (mount first); the engine's own, longer vectors also hold the
     coupled joints: full = coupling @ actuated.
@@ -66,6 +66,7 @@ class BulletHand:
                 physicsClientId=client,
             )
         self._read_joints()
+        self._face = self.link_index[robot.mount.face]
         self._ignore_neighbours()
         self.tips = tuple(self._tip(name) for name in robot.contacts)
         self._base_rotation = rotation_matrix(tuple(quaternion))
@@ -183,11 +184,28 @@ class BulletHand:
         states = self._engine.getJointStates(self.body, cells, self._client)
         return np.array([state[2] for state in states])
 
+    def face_frame(self) -> tuple[Array, Array]:
+        """Origin (3,) and rotation (3, 3) of the mounting face, in the world."""
+        state = self._engine.getLinkState(
+            self.body, self._face, computeForwardKinematics=True, physicsClientId=self._client
+        )
+        return np.array(state[4]), rotation_matrix(state[5])
+
+    def face_jacobian(self) -> tuple[Array, Array]:
+        """The linear and angular (3, n) world-frame Jacobians of the mounting face's origin."""
+        # The engine measures the point from the centre of mass, in the frame of inertia.
+        state = self._engine.getLinkState(self.body, self._face, physicsClientId=self._client)
+        back, _ = self._engine.invertTransform(state[2], state[3])
+        return self._jacobians(self._face, np.array(back), self.all_joints())
+
     def jacobians(self, tip: Tip, point: Array, all_joints: list[float]) -> tuple[Array, Array]:
         """The linear and angular (3, n) world-frame Jacobians of a material point (3,), given in the tip's frame."""
+        # The engine measures the point from the centre of mass.
+        return self._jacobians(tip.link, point - tip.centre - tip.weight_lever, all_joints)
+
+    def _jacobians(self, link: int, local: Array, all_joints: list[float]) -> tuple[Array, Array]:
+        """Those of a point from a link's centre of mass; the engine answers in the frame of the base."""
         zeros = [0.0] * len(all_joints)
-        # The engine measures the point from the centre of mass and answers in the frame of the base.
-        local = (point - tip.centre - tip.weight_lever).tolist()
-        both = self._engine.calculateJacobian(self.body, tip.link, local, all_joints, zeros, zeros, self._client)
+        both = self._engine.calculateJacobian(self.body, link, local.tolist(), all_joints, zeros, zeros, self._client)
         linear, angular = (self._base_rotation @ np.array(part) @ self.coupling for part in both)
         return linear, angular

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +15,7 @@ from graspdsl.objects.shapes import Body
 from graspdsl.spec.sensing import LoadCell, TactileSensor
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
+from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.touch import Clock, Fingertips
 from graspdsl.worlds.protocol import (
@@ -71,9 +73,8 @@ class BulletWorld:
         engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
         engine.setGravity(0, 0, -self.settings.gravity, client)
         self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
-        quaternion = Rotation.from_matrix(start.rotation).as_quat()
-        self.hand = BulletHand(engine, client, self.settings.robot, start.position, quaternion, self.settings.friction)
-        self._target = self._preshape()
+        self.hand = BulletHand(engine, client, self.settings.robot, *self._base(start), self.settings.friction)
+        self._target = self._start_posture(start)
         self.hand.place(self._target)
         self.hand.drive(self._target)
         if self.settings.anchor is Anchor.HAND:
@@ -87,21 +88,45 @@ class BulletWorld:
         self._scene.mark_rest()
         return self._observe()
 
-    def _preshape(self) -> Array:
-        """The start posture: each finger closed until its tip is about to touch the object.
+    def _base(self, start: Start) -> tuple[Array, Array]:
+        """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
+        base = self.settings.robot.mount.base
+        if base is None:
+            return start.position, Rotation.from_matrix(start.rotation).as_quat()
+        return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()
 
-        A start is infeasible when a finger has no free place, or meets the object with another link, or not at all.
+    def _start_posture(self, start: Start) -> Array:
+        """The joints (n,) at the start, each finger closed until its tip is about to touch the object.
+
+        A start is infeasible when the arm cannot reach it, or a finger has no free place, or meets the object with
+        another link, or not at all.
         """
         robot = self.settings.robot
+        known = {**robot.hand.postures["open"], **start.posture}
+        opened = np.array([known.get(name, 0.0) for name in robot.joints])
+        if robot.mount.base is None:
+            return self._standing_free([self._preshape(opened)])
+        reaching = ArmReach(self.hand, start.position, start.rotation, self.info.lower, self.info.upper)
+        first = reaching.any_posture(opened)
+        # How the fingers close does not depend on how the arm holds the hand.
+        return self._standing_free(reaching.postures(self._preshape(first)))
+
+    def _standing_free(self, postures: Sequence[Array]) -> Array:
+        """The first of some postures that keeps clear of the table and the object."""
+        for posture in postures:
+            self.hand.place(posture)
+            if self._scene.clearance(self.hand.body, None, CLEARANCE) >= CLEARANCE:
+                return posture
+        raise InfeasibleStartError("the robot would stand in the table or the object")
+
+    def _preshape(self, posture: Array) -> Array:
+        """A posture (n,) with each finger closed until its tip is about to touch the object."""
+        robot = self.settings.robot
         names = list(robot.joints)
-        posture = np.array([robot.hand.postures["open"].get(name, 0.0) for name in names])
         closed = np.array([robot.hand.postures["closed"].get(name, 0.0) for name in names])
         for (name, contact), tip in zip(robot.hand.contacts.items(), self.hand.tips, strict=True):
             mine = np.isin(names, contact.finger)
             posture = self._close_finger(posture, np.where(mine, closed - posture, 0.0), contact.finger, tip.link, name)
-        self.hand.place(posture)
-        if self._scene.clearance(self.hand.body, None, CLEARANCE) < CLEARANCE:
-            raise InfeasibleStartError("the hand would stand in the table or the object")
         return posture
 
     def _close_finger(self, posture: Array, motion: Array, joints: tuple[str, ...], tip: int, name: str) -> Array:
