@@ -44,7 +44,7 @@ class Series:
 
 
 PANELS = {
-    "load cell: noise of a sample [N], and a hundredth of it [N·m]": (
+    "load cell: noise of a sample [mN; a hundredth of it in mN·m]": (
         Series(
             "500 Hz, averaged and filtered (the default)",
             (0.0, 0.02, 0.05, 0.1, 0.2),
@@ -58,7 +58,7 @@ PANELS = {
             "#c8553d",
         ),
     ),
-    "skin: noise of a taxel's sample [N]": (
+    "skin: noise of a taxel's sample [mN]": (
         Series(
             "taxels 2 mm apart, 100 Hz",
             (0.0, 0.002, 0.005, 0.01, 0.02),
@@ -81,29 +81,33 @@ def successes(overrides: tuple[str, ...]) -> int:
     return sum(succeeded(loop.run(number, SEED).record) for number in range(TRIALS))
 
 
-def main() -> None:
-    """Run all levels and draw the figure."""
+def counted() -> list[int]:
+    """Run all levels; the successes of each, in the order of the panels."""
     every = [series for panel in PANELS.values() for series in panel]
     wanted = [series.overrides(level) for series in every for level in series.levels]
     with ProcessPoolExecutor(WORKERS, mp_context=multiprocessing.get_context("spawn")) as pool:
-        counts = iter(list(pool.map(successes, wanted)))
+        return list(pool.map(successes, wanted))
+
+
+def draw(successes_by_level: list[int]) -> None:
+    """Draw the figure: shares with their Wilson intervals against noise in mN."""
+    counts = iter(successes_by_level)
     figure, axes = pyplot.subplots(1, len(PANELS), figsize=(9.0, 3.4), sharey=True, layout="constrained")
     for axis, (label, panel) in zip(axes, PANELS.items(), strict=True):
         for series in panel:
             found = [next(counts) for _ in series.levels]
-            shares = [count / TRIALS for count in found]
-            bounds = [wilson(count, TRIALS) for count in found]
-            lows, highs = ([bound[side] for bound in bounds] for side in (0, 1))
-            axis.fill_between(series.levels, lows, highs, color=series.colour, alpha=0.15, linewidth=0)
-            axis.plot(series.levels, shares, "o-", color=series.colour, label=series.name)
+            noise = [1000.0 * level for level in series.levels]
+            lows, highs = zip(*(wilson(count, TRIALS) for count in found), strict=True)
+            axis.fill_between(noise, lows, highs, color=series.colour, alpha=0.15, linewidth=0)
+            axis.plot(noise, [count / TRIALS for count in found], "o-", color=series.colour, label=series.name)
         axis.set_xlabel(label)
         axis.set_ylim(0.0, 1.02)
         axis.grid(alpha=0.3)
-        axis.legend(frameon=False, loc="lower left", fontsize="small")
+        axis.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, 1.24), fontsize="small")
     axes[0].set_ylabel(f"good grasps of {TRIALS}")
     pyplot.rcParams["svg.hashsalt"] = "graspdsl"
     figure.savefig(ROOT / "docs" / "images" / "success_against_noise.svg", metadata={"Date": None})
 
 
 if __name__ == "__main__":
-    main()
+    draw(counted())
