@@ -22,6 +22,7 @@ from graspdsl.compiler.object_check import found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_start_posture
+from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -125,6 +126,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
         thing = found_object(spec, document, complaints, folder)
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
+        check_sensing(spec, document, check.robot, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)

@@ -14,6 +14,7 @@ from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 EDGED = ("box", "compound", "mesh", "urdf")
+FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
@@ -52,9 +53,7 @@ class _Check:
         self._shape()
         self._hand()
         self._centre_of_mass()
-        sensing: Path = ("scene", "sensing")
-        if self._world.floats and _value(self._document, sensing) == "load-cell":
-            self._error("not-sensed", "floating contacts have no load cells", sensing, "use exact, or leave it out")
+        self._sensing()
         approach: Path = ("trials", "start", "approach")
         chosen = _value(self._document, approach)
         if chosen is not None and (chosen == "surface") != self._world.floats:
@@ -101,6 +100,14 @@ class _Check:
         if hand is not None and not hand.urdf and not self._world.floats:
             message = f"the hand {hand.hand} is bare contacts without a model"
             self._error("hand-not-in-world", message, path, "use it in the floating world, or another hand here")
+
+    def _sensing(self) -> None:
+        path: Path = ("scene", "sensing")
+        chosen = _value(self._document, path)
+        names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, dict) else []
+        for name, felt in FELT_BY_HANDS.items():
+            if self._world.floats and name in names:
+                self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""

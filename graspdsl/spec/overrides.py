@@ -16,7 +16,7 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> tuple[Docum
     """The document with the overrides applied in their order, and what is wrong with those that could not be.
 
     An override is ``dotted.path=YAML value``. A number names an item of a list, from 0; a mapping that the file
-    leaves out is added.
+    leaves out is added, also where the file has only its name: ``load-cell`` for ``{load-cell: {}}``.
     """
     faults: list[Diagnostic] = []
     for override in overrides:
@@ -41,6 +41,9 @@ def _applied(document: Document, override: str) -> Document:
     path: Path = ()
     at: Data = document.data
     for position, name in enumerate(names):
+        if isinstance(at, str) and at == name and path and position < len(names) - 1:
+            document = document.with_value(path, {name: {}}, origin)  # a name stands for it without parameters
+            at = {name: {}}
         if isinstance(at, list):
             if not (name.isdecimal() and int(name[:9]) < len(at)):
                 message = f"{_said(path)} is a list of {len(at)}, and {shortened(name)!r} is no number of an item in it"

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from graspdsl.spec.fields import Kilograms, Metres, Model, Number, exactly, fault, form, forms
+from graspdsl.spec.sensing import SensingChoice, TactileSensor, sensor_of
 
 Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
 
@@ -166,11 +167,17 @@ class Scene(Model):
     friction: Number = Field(
         default=0.4, ge=0.0, le=5.0, description="friction coefficient between fingertip and object (1), 0 to 5"
     )
-    sensing: Literal["load-cell", "exact"] | None = Field(
+    sensing: SensingChoice | None = Field(
         default=None,
-        description="what a contact feels through; load-cell: a fingertip load cell; exact: the true contact; by "
-        "default load-cell in bullet, exact in floating",
+        description="what a contact feels through, by name or as one sensor with parameters; load-cell: a fingertip "
+        "load cell; skin: taxels; proximity: distances; exact: the true contact; by default load-cell in bullet, exact "
+        "in floating",
     )
+
+    @property
+    def sensor(self) -> TactileSensor:
+        """What contacts feel through."""
+        return sensor_of(self.sensing or ("exact" if self.world == "floating" else "load-cell"))
 
     @property
     def held(self) -> bool:

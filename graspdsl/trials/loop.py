@@ -101,6 +101,7 @@ class TrialLoop:
             samples=log.samples,
             world_s=log.world_s,
             wall_s=time.perf_counter() - began,
+            tare_s=self._world.info.tare_s,
         )
         return Trial(record, log.trajectory())
 

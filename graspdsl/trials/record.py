@@ -19,7 +19,7 @@ class TrialRecord:
     tick. ``ticks`` counts from where the controller takes over from the guarded close to the end,
     ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where contacts
     are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a
-    tick, or one a probe.
+    tick, or one a probe. ``tare_s`` is the time taken to tare the sensors, which ``world_s`` does not include.
     """
 
     number: int
@@ -46,6 +46,7 @@ class TrialRecord:
     normal_error: tuple[float, float]
     world_s: float
     wall_s: float
+    tare_s: float = 0.0
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for the store."""

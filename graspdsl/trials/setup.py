@@ -9,7 +9,6 @@ from graspdsl.spec import scene as spec
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.scene import Anchor
-from graspdsl.worlds.bullet.touch import TouchSettings
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
 
@@ -24,10 +23,9 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
     body = program.body
     if program.world.floats:
         return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass, body.major_axis)
-    touch = TouchSettings(sensing=scene.sensing or "load-cell")
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
-    settings = BulletSettings(program.robot, body, scene.friction, touch, anchor, GRAVITY)
+    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor, GRAVITY)
     return ProbingWorld(settings) if program.probes else BulletWorld(settings)
 
 

@@ -29,7 +29,8 @@ class WorldCrashError(Exception):
 class WorldInfo:
     """What the world is: the rate of its control ticks [Hz], its contacts and actuated joints in order.
 
-    lower, upper: (n,) limits of the joints [m or rad].
+    lower, upper: (n,) limits of the joints [m or rad]. tare_s: the time [s] that a reset takes to tare the sensors;
+    it lies before the first observation, whose time is zero.
     """
 
     rate: float
@@ -37,6 +38,7 @@ class WorldInfo:
     joints: tuple[str, ...]
     lower: Array
     upper: Array
+    tare_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +46,9 @@ class Observation:
     """One tick's sensing of k contacts and n joints, in the world frame.
 
     points: (k, 3) contact points [m]; a contact that does not touch reports its fingertip's centre.
-    normals: (k, 3) unit normals into the object; the last sensed one, or where the finger closes to, when it does
-    not touch. forces: (k, 3) forces on the object [N], zero when it does not touch. touching: (k,).
+    normals: (k, 3) unit normals into the object; when it does not touch, that of the surface ahead where the sensor
+    knows it, else the last sensed one, or where the finger closes to. forces: (k, 3) forces on the object [N], zero
+    when it does not touch. touching: (k,).
     joints: (n,) joint positions [m or rad]. jacobian: (k, 3, n) of the contact points; angular_jacobian: (k, 3, n) of
     the fingertips' rotations; orientations: (k, 3) of the fingertips, exponential coordinates [rad].
     centre_of_mass: (3,) of the object [m] and weight: (3,) [N], known for an object that is held; else NaN.
@@ -131,7 +134,7 @@ class World(Protocol):
         ...
 
     def tare(self) -> None:
-        """Take the present reading of the load cells as zero (nothing may touch)."""
+        """Take what the sensors read at rest as zero (nothing may touch)."""
         ...
 
     def close(self) -> None:

@@ -56,6 +56,7 @@ def _chain(first: str, next_one: str) -> dict[str, str]:
     return {"π_a0|Γ Γ": first, **{f"π_a{i}|Γ Γ": next_one.replace("π_a", f"π_a{i - 1}") for i in range(1, 41)}}
 
 
+TOWEL_ROLL = "world: bullet, hand: barrett, object: towel-roll"
 SCENE = (
     Case("a start posture of a joint that is not there", spec(start="posture: {spred-1: 1.0}")),
     Case("a start posture beyond a limit", spec(start="posture: {spread-1: {uniform: [1.0, 4.0]}}")),
@@ -65,6 +66,7 @@ SCENE = (
 )
 WORLDS = (
     _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
+    _floating("a skin with parameters in the floating world", scene="object: ball, sensing: {skin: {pitch: 0.001}}"),
     _floating("a box in the floating world", scene="object: {box: {size: [0.1, 0.1, 0.1]}}"),
     _floating("a bottle of several parts in the floating world", scene="object: {like: squirt-bottle, fixed: true}"),
     Case(
@@ -110,6 +112,18 @@ WORLDS = (
     ),
     Case("monitors that are not understood", spec(monitors="palm: never, lean: stop, lots: 1, progress: {window: 0}")),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
+)
+SENSING = (
+    Case("a sensor that is not there", spec(scene=f"{TOWEL_ROLL}, sensing: lod-cell")),
+    Case("a sensor with parameters that is not there", spec(scene=f"{TOWEL_ROLL}, sensing: {{skn: {{}}}}")),
+    Case("two sensors", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{}}, skin: {{}}}}")),
+    Case("a parameter of another sensor", spec(scene=f"{TOWEL_ROLL}, sensing: {{skin: {{force_noise: 0.1}}}}")),
+    Case("noise below zero", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{force_noise: -0.02}}}}")),
+    Case(
+        "a touch that ends above where it begins",
+        spec(scene=f"{TOWEL_ROLL}, sensing: {{exact: {{touch: {{begins: 0.03, ends: 0.06}}}}}}"),
+    ),
+    Case("a touch within the noise", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{force_noise: 0.8}}}}")),
 )
 NAMES = (
     _formula("a potential that is not there", "φ_frr|τ_frx(Γ) σ_fr(Γ)"),
@@ -207,12 +221,15 @@ PROGRAM = (
     Case("a parameter that is no number", spec("π_close|Γ Γ", parameters="κ_f: much")),
     _formula("a formula that cannot be read", "π_close|Γ"),
 )
+SENSED = spec(scene=f"{TOWEL_ROLL}, sensing: load-cell")
 OVERRIDES = (
     Case("a formula on the command line", spec(), ("program.0.run=π_close|Γ γ9",)),
     Case("a resource on the command line", spec(), ('resources.Γ="{γ1, <γ2, γ9>}"',)),
     Case("a controller on the command line", spec("π_a|Γ Γ"), ("controllers.π_a|Γ Γ=π_close|Γ γ1 then",)),
     Case("a parameter on the command line", spec("π_close|Γ Γ"), ("parameters.kappa_f=1",)),
     Case("a hand on the command line", spec(), ("scene.hand=baret",)),
+    Case("a parameter of another sensor than the file's on the command line", SENSED, ("scene.sensing.skin.pitch=1",)),
+    Case("a parameter of the file's sensor on the command line", SENSED, ("scene.sensing.load-cell.latency=1",)),
     Case("a condition on the command line", spec("π_close|Γ Γ"), ("program.0.until.force_residual=0.1",)),
 )
 SEVERAL = (
@@ -233,6 +250,7 @@ SEVERAL = (
 CASES = (
     *SCENE,
     *WORLDS,
+    *SENSING,
     *NAMES,
     *CONTROLLERS,
     *REFERENCES,

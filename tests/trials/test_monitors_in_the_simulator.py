@@ -66,7 +66,7 @@ ENDINGS = (
         AROUND,
         (
             ("monitors={palm: off}", Outcome.LINK_COLLISION),
-            ("monitors={palm: off, link: off}", Outcome.CONTACT_LOST),
+            ("monitors={palm: off, link: off}", Outcome.CONVERGED),
         ),
     ),
     Ending(
@@ -75,7 +75,7 @@ ENDINGS = (
         "distal-1, distal-2, distal-3 touched the object for 0.5 s",
         SLIDE,
         (*AROUND, "monitors.palm=off"),
-        (("monitors.link=off", Outcome.CONTACT_LOST),),
+        (("monitors.link=off", Outcome.CONVERGED),),
     ),
     Ending(
         "the palm on the table",
@@ -88,7 +88,7 @@ ENDINGS = (
     Ending(
         "the hand withdraws",
         Outcome.CONTACT_LOST,
-        "lost the object for 2 s",
+        "finger-3 lost the object for 2 s",
         SLIDE,
         (*joints("wrist-z", "-0.1", 3.0), "program.1.limit=5"),
         (("monitors.lost=off", Outcome.TIMEOUT), ("monitors.lost=stop", Outcome.CONTACT_LOST)),
@@ -104,7 +104,7 @@ ENDINGS = (
     Ending(
         "a rod knocked over as the fingers close",
         Outcome.TOPPLED,
-        "leant",
+        "leant 0.36 rad",
         SLIDE,
         ("scene.object={cylinder: {diameter: 0.02, height: 0.2}}", "trials.start={height: 0.1, standoff: 0.06}"),
         (("monitors.lean=off", Outcome.PALM_COLLISION),),
@@ -130,7 +130,7 @@ ENDINGS = (
         Outcome.JOINT_LIMIT,
         "base-1 at a limit for 2 s",
         SLIDE,
-        (*joints("base-1", "-0.5", 1.0), "monitors.lost=off", "program.1.limit=14"),
+        (*joints("base-1", "-0.5", 1.0), "monitors.lost=off", "program.1.limit=10"),
         (("monitors.joint_limit=off", Outcome.TIMEOUT), ("monitors.joint_limit=stop", Outcome.JOINT_LIMIT)),
     ),
     Ending(
@@ -138,7 +138,7 @@ ENDINGS = (
         Outcome.JOINT_LIMIT,
         "base-1 at a limit",
         SLIDE,
-        (*joints("base-1", "-0.5", 1.0), "monitors={lost: off, joint_limit: 60}", "program.1.limit=12"),
+        (*joints("base-1", "-0.5", 1.0), "monitors={lost: off, joint_limit: 60}", "program.1.limit=5"),
         (("monitors.joint_limit=off", Outcome.TIMEOUT),),
     ),
     Ending(

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Box, Sphere
-from graspdsl.worlds.bullet.touch import TouchSettings
+from graspdsl.spec.sensing import LoadCell, Touch
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.load_cell import sphere_contact
 
@@ -123,8 +123,8 @@ def test_forces_on_the_object_balance_at_rest(body: Body, height: float) -> None
 
 def test_taring_holds_when_the_wrist_turns_in_the_air() -> None:
     """The weight of the tips is known in every pose: with no threshold at all, next to nothing is felt."""
-    touch = TouchSettings(begins=0.0, ends=0.0)
-    with opened(BulletWorld(settings(touch=touch))) as world:
+    sensing = LoadCell(touch=Touch(begins=0.0, ends=0.0))
+    with opened(BulletWorld(settings(sensing=sensing))) as world:
         first = world.reset(side_start(standoff=0.047), 0)
         away = moved(wrist_z=-0.002)
         for _ in range(60):

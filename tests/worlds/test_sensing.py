@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
+from graspdsl.compiler.program import program_of
 from graspdsl.trials.setup import trial_loop
 
-from .scenes import main_program
+from .scenes import MAIN, main_program
 
 TRIALS = ((101, 0), (102, 1), (103, 2))  # seed and number
 SLIDING = 1
@@ -37,6 +38,21 @@ def test_load_cells_place_contacts(friction: float) -> None:
     assert np.percentile(distances, 95) < 1e-3
     assert np.degrees(np.percentile(angles, 95)) < 2.0
     assert distances.max() > 0.0  # it is sensed, not copied
+
+
+@pytest.mark.parametrize(("name", "tared"), [("load_cell", 0.5), ("skin", 0.5), ("proximity", 0.0)])
+def test_sensors_as_they_are_lead_to_a_good_grasp(name: str, tared: float) -> None:
+    """By the simulator's truth, with noise, bias and latency, from a start half a radian off."""
+    spec = MAIN.parent / "sensing" / f"{name}.yaml"
+    program = program_of(spec.read_text("utf-8"), spec.name, ("trials.start.roll=0.5",))
+    record = trial_loop(program).run(0, 7).record
+    assert record.orientation_start < 1.3
+    assert record.force_residual_end < 0.1
+    assert record.moment_residual_end < 0.005
+    assert abs(record.orientation_end - np.pi / 2) < 0.05
+    assert 0.0 < record.point_error[0] < record.point_error[1] < 3e-3
+    assert 0.0 < record.normal_error[0] < record.normal_error[1] < 0.2
+    assert record.tare_s == tared
 
 
 def test_exact_sensing_is_exact() -> None:

@@ -36,7 +36,7 @@ class Tip:
     """One fingertip's numbers in the engine: link and load-cell joint, shape, weight."""
 
     link: int
-    cell: int
+    cell: int | None
     shape: FingertipShape
     centre: Array  # of the shape, link frame
     mass: float
@@ -79,7 +79,8 @@ class BulletHand:
                 contactDamping=TIP_DAMPING,
                 physicsClientId=client,
             )
-            engine.enableJointForceTorqueSensor(self.body, tip.cell, True, physicsClientId=client)
+            if tip.cell is not None:
+                engine.enableJointForceTorqueSensor(self.body, tip.cell, True, physicsClientId=client)
 
     def _read_joints(self) -> None:
         engine, client = self._engine, self._client
@@ -136,7 +137,7 @@ class BulletHand:
         centre = np.array(description.shape.centre)
         return Tip(
             link=link,
-            cell=self.joint_index[description.cell],
+            cell=self.joint_index[description.cell] if description.cell else None,
             shape=description.shape,
             centre=centre,
             mass=dynamics[0],
@@ -179,7 +180,8 @@ class BulletHand:
 
     def cell_readings(self) -> Array:
         """The (k, 6) raw wrenches on the load cells' joints, force then moment, in the tips' frames."""
-        states = self._engine.getJointStates(self.body, [tip.cell for tip in self.tips], self._client)
+        cells = [tip.cell for tip in self.tips]
+        states = self._engine.getJointStates(self.body, cells, self._client)
         return np.array([state[2] for state in states])
 
     def face_frame(self) -> tuple[Array, Array]:

@@ -134,6 +134,29 @@ class Scene:
             answer[2, row] = normal - friction.sum(axis=0)
         return answer[0], answer[1], answer[2]
 
+    def tip_presses(self, hand: BulletHand) -> list[tuple[Array, Array]]:
+        """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
+        answer = []
+        for tip in hand.tips:
+            contacts = self._engine.getContactPoints(
+                hand.body, self.object, linkIndexA=tip.link, physicsClientId=self._client
+            )
+            pressing = [c for c in contacts if c[9] > 0.0]
+            points = np.array([c[5] for c in pressing]).reshape(-1, 3)
+            answer.append((points, np.array([c[9] for c in pressing])))
+        return answer
+
+    def nearest_to_tips(self, hand: BulletHand, within: float) -> list[tuple[float, Array] | None]:
+        """The distance [m] of the object from each fingertip, negative for a dent, and the tip's nearest point (3,)."""
+        answer: list[tuple[float, Array] | None] = []
+        for tip in hand.tips:
+            pairs = self._engine.getClosestPoints(
+                hand.body, self.object, within, linkIndexA=tip.link, physicsClientId=self._client
+            )
+            nearest = min(pairs, key=lambda pair: pair[8], default=None)
+            answer.append(None if nearest is None else (nearest[8], np.array(nearest[5])))
+        return answer
+
     def other_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the hand's links other than fingertips that press on the object."""
         tips = {tip.link for tip in hand.tips}

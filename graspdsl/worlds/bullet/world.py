@@ -12,12 +12,13 @@ from graspdsl.arrays import Array
 from graspdsl.basis.rotations import logarithm
 from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.objects.shapes import Body
+from graspdsl.spec.sensing import LoadCell, TactileSensor
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
-from graspdsl.worlds.bullet.touch import Fingertips, TouchSettings
+from graspdsl.worlds.bullet.touch import Clock, Fingertips
 from graspdsl.worlds.protocol import (
     Command,
     InfeasibleStartError,
@@ -44,7 +45,7 @@ class BulletSettings:
     robot: Robot
     body: Body
     friction: float
-    touch: TouchSettings = field(default_factory=TouchSettings)
+    sensing: TactileSensor = field(default_factory=LoadCell)
     anchor: Anchor = Anchor.NONE
     gravity: float = 9.81
     table_friction: float = 0.5
@@ -57,13 +58,14 @@ class BulletWorld:
         self.settings = settings
         robot = settings.robot
         lower, upper = (np.array(limits) for limits in joint_limits(robot))
-        self.info = WorldInfo(CONTROL_RATE, robot.contacts, tuple(robot.joints), lower, upper)
+        self.info = WorldInfo(
+            CONTROL_RATE, robot.contacts, tuple(robot.joints), lower, upper, settings.sensing.tare_time
+        )
         self._engine = pybullet()
         self._client = -1
 
     def reset(self, start: Start, seed: int) -> Observation:
         """Build the scene, put the hand at the start, its fingers about to touch, and tare."""
-        del seed  # nothing is random here
         self.close()
         engine = self._engine
         with silenced():
@@ -84,7 +86,8 @@ class BulletWorld:
         if self.settings.anchor is Anchor.HAND:
             self._scene.attach(self.hand)
         self._ticks = 0
-        self._tips = Fingertips(self.hand, self._scene, self.settings.touch, self.settings.gravity)
+        clock = Clock(CONTROL_RATE * PHYSICS_STEPS, CONTROL_RATE)
+        self._tips = Fingertips(self.hand, self._scene, self.settings.sensing, self.settings.gravity, clock, seed)
         for _ in range(SETTLE_TICKS):
             self._simulate()
         self.tare()
@@ -179,9 +182,13 @@ class BulletWorld:
     def _simulate(self) -> None:
         for _ in range(PHYSICS_STEPS):
             self._engine.stepSimulation(self._client)
+            self._tips.advance()
 
     def tare(self) -> None:
-        """Take the present reading of the load cells, less the tips' own weight, as their zero."""
+        """Rest for the time that the sensors take to tare, and take what they read then as their zero."""
+        for _ in range(round(self.info.tare_s * CONTROL_RATE)):
+            self._simulate()
+            self._tips.note_rest()
         self._tips.tare()
 
     def _observe(self) -> Observation:

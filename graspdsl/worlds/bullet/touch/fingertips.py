@@ -1,0 +1,120 @@
+"""The tactile readings of all fingertips: which touch, where, and what the others will meet."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from graspdsl.arrays import Array, Flags
+from graspdsl.spec.sensing import LoadCell, Proximity, Skin, TactileSensor
+from graspdsl.worlds.bullet.hand import BulletHand
+from graspdsl.worlds.bullet.scene import Scene
+from graspdsl.worlds.bullet.touch.exact import ExactContacts
+from graspdsl.worlds.bullet.touch.load_cells import LoadCells
+from graspdsl.worlds.bullet.touch.proximity import ProximitySensors
+from graspdsl.worlds.bullet.touch.sensor import Clock, Sensor
+from graspdsl.worlds.bullet.touch.skins import Skins
+
+
+class Reading(NamedTuple):
+    """One tick's tactile reading; world frame but for ``local``, the contact points in the tips' link frames."""
+
+    points: Array
+    normals: Array
+    forces: Array
+    touching: Flags
+    local: tuple[Array, ...]
+    rotations: Array
+
+
+class Fingertips:
+    """The tactile sensors of all fingertips, with the memory of the hand: touch hysteresis and the last normals.
+
+    seed: of all that is random in the sensors.
+    """
+
+    def __init__(
+        self,
+        hand: BulletHand,
+        scene: Scene,
+        spec: TactileSensor,
+        gravity: float,
+        clock: Clock,
+        seed: int,
+    ) -> None:
+        self._hand, self._touch = hand, spec.touch
+        self._sensor = _sensor(hand, scene, spec, gravity, clock, np.random.SeedSequence(seed))
+        count = len(hand.tips)
+        self._step = 0
+        self._touching = np.zeros(count, dtype=bool)
+        self._last_normal: list[Array | None] = [None] * count
+        joints = list(hand.robot.joints)
+        self._closing = [
+            np.array([hand.robot.joints[j].closes if j in contact.finger else 0 for j in joints], dtype=float)
+            for contact in hand.robot.hand.contacts.values()
+        ]
+
+    def advance(self) -> None:
+        """One step of the engine has been made: take the samples that are due."""
+        self._step += 1
+        if self._sensor.due(self._step):
+            self._sensor.sample(self._step)
+
+    def note_rest(self) -> None:
+        """Remember the present reading as one at rest, for taring."""
+        self._sensor.note_rest(self._step)
+
+    def tare(self) -> None:
+        """Take the mean of the readings at rest as zero, or the present one if none were noted."""
+        self._sensor.tare(self._step)
+
+    def read(self) -> Reading:
+        """Points, normals and forces of all contacts as this sensing gives them."""
+        frames = self._hand.tip_frames()
+        strengths = self._sensor.strengths(self._step, frames)
+        self._touching = strengths > np.where(self._touching, self._touch.ends, self._touch.begins)
+        points, normals, forces = np.zeros((3, len(frames), 3))
+        local = []
+        for i, (tip, (origin, rotation)) in enumerate(zip(self._hand.tips, frames, strict=True)):
+            if self._touching[i]:
+                place, points[i], normals[i], forces[i] = self._sensor.contact(i)
+                self._last_normal[i] = normals[i]
+            else:
+                place, points[i] = tip.centre, origin + rotation @ tip.centre
+                normals[i] = self._predicted_normal(i)
+            local.append(place)
+        rotations = np.array([rotation for _, rotation in frames])
+        return Reading(points, normals, forces, self._touching.copy(), tuple(local), rotations)
+
+    def _predicted_normal(self, contact: int) -> Array:
+        """Where a contact that does not touch will meet the surface.
+
+        What the sensor knows of the surface ahead; else the last normal, or where the finger closes.
+        """
+        ahead = self._sensor.normal_ahead(contact)
+        known = self._last_normal[contact] if ahead is None else ahead
+        if known is not None:
+            return known
+        tip = self._hand.tips[contact]
+        motion = self._hand.jacobians(tip, tip.centre, self._hand.all_joints())[0] @ self._closing[contact]
+        direction: Array = motion / np.linalg.norm(motion)
+        return direction
+
+
+def _sensor(
+    hand: BulletHand,
+    scene: Scene,
+    spec: TactileSensor,
+    gravity: float,
+    clock: Clock,
+    seed: np.random.SeedSequence,
+) -> Sensor:
+    match spec:
+        case LoadCell():
+            return LoadCells(spec, hand, gravity, clock, seed)
+        case Skin():
+            return Skins(spec, hand, scene, clock, seed)
+        case Proximity():
+            return ProximitySensors(spec, hand, scene, clock, seed)
+    return ExactContacts(hand, scene)
