@@ -7,27 +7,36 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Any
+from operator import attrgetter
+from typing import Any, Literal
 
 import numpy as np
 
+from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.outcomes import outcome_table
 from graspdsl.report.statistics import bandwidth, modes, wilson
-from graspdsl.spec.loading import load_spec_text
-from graspdsl.spec.models import Spec
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
 
 
 def summary(folder: RunFolder) -> dict[str, Any]:
+    """The numbers of the run in a folder, as of :func:`numbers_of`. Raises DiagnosticError when it cannot be read."""
+    return numbers_of(gathered(folder))
+
+
+def numbers_of(evidence: Evidence) -> dict[str, Any]:
     """Everything a report says of a run, as plain data; what could not be measured is None.
 
-    Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth; orientations (rad) stand by
-    trial number; shares carry 95 % Wilson intervals. Raises DiagnosticError when the run cannot be read.
+    Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth: ``start`` and ``end`` over
+    all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
+    of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether all contacts
+    touched at any time (start) and at the last tick (end, None where the trajectory is lost). Shares carry 95 % Wilson
+    intervals.
     """
-    records, manifest = folder.records(), folder.manifest
-    spec = _spec(folder)
-    probing = spec.control.displacement == "probing" and spec.scene.world != "floating"
+    folder, records = evidence.folder, evidence.records
+    manifest, spec = folder.manifest, evidence.program.spec
+    in_contact = [record for record in records if evidence.touching(record)]
     good = [record for record in records if record.outcome is Outcome.CONVERGED]
     converged = len(good)
     to_converge = [record.ticks_to_converge for record in records if record.ticks_to_converge is not None]
@@ -42,21 +51,20 @@ def summary(folder: RunFolder) -> dict[str, Any]:
             "interval": wilson(converged, len(records)),
             "means": spec.program[-1].until.model_dump(mode="json"),
         },
+        "outcome_table": outcome_table(records),
+        "in_contact": {
+            "start": [record.samples > 0 for record in records],
+            "end": [evidence.touching(record) for record in records],
+        },
         "residuals": {
-            "force": {
-                "start": _median(record.force_residual_start for record in records),
-                "end": _median(record.force_residual_end for record in records),
-            },
-            "moment": {
-                "start": _median(record.moment_residual_start for record in records),
-                "end": _median(record.moment_residual_end for record in records),
-            },
+            "force": _residual(records, in_contact, "force"),
+            "moment": _residual(records, in_contact, "moment"),
         },
         "orientation": {
             "start": [_known(record.orientation_start) for record in records],
             "end": [_known(record.orientation_end) for record in records],
         },
-        "modes": _modes(records),
+        "modes": _modes(in_contact),
         "ticks_to_converge": {"median": _percentile(to_converge, 50), "p90": _percentile(to_converge, 90)},
         "contact_force": {
             "median": _median(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
@@ -68,15 +76,18 @@ def summary(folder: RunFolder) -> dict[str, Any]:
             "largest": _largest(r.object_shift for r in records),
         },
         "sensing": {
+            "point_error_p50": _median(record.point_error[0] for record in records),
             "point_error_p95": _median(record.point_error[1] for record in records),
+            "normal_error_p50": _median(record.normal_error[0] for record in records),
             "normal_error_p95": _median(record.normal_error[1] for record in records),
         },
         "samples": {"median": _median(float(record.samples) for record in good)},
-        "probes": {"total": sum(record.ticks for record in records) if probing else 0},
+        "probes": {"total": sum(record.ticks for record in records) if evidence.program.probes else 0},
         "trial_s": {"median": _median(record.world_s for record in good)},
         "priorities": {
             "largest_leak": _largest(record.largest_leak for record in records),
             "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
+            "levels": max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
         },
         "quality": {},
         "redraws": sum(record.redraws for record in records),
@@ -98,10 +109,20 @@ def repeating(folder: RunFolder) -> str:
     return shlex.join(words)
 
 
-def _spec(folder: RunFolder) -> Spec:
-    """The spec of a run as it was run, overrides applied."""
-    manifest = folder.manifest
-    return load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec
+def _residual(
+    records: Sequence[TrialRecord], in_contact: Sequence[TrialRecord], kind: Literal["force", "moment"]
+) -> dict[str, Any]:
+    start, end = attrgetter(f"{kind}_residual_start"), attrgetter(f"{kind}_residual_end")
+    return {
+        "start": _median(map(start, records)),
+        "end": _median(map(end, records)),
+        "end_in_contact": _median(map(end, in_contact)),
+        "squared": {
+            "start": _median(_square(start(record)) for record in records),
+            "end": _median(_square(end(record)) for record in records),
+            "end_in_contact": _median(_square(end(record)) for record in in_contact),
+        },
+    }
 
 
 def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
@@ -114,6 +135,7 @@ def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
             {
                 "centre": mode.centre,
                 "share": len(members) / len(measured),
+                "of": len(measured),
                 "interval": wilson(len(members), len(measured)),
                 "force_residual": _median(record.force_residual_end for record in members),
                 "moment_residual": _median(record.moment_residual_end for record in members),
@@ -133,6 +155,10 @@ def _plain(record: TrialRecord) -> dict[str, Any]:
         else:
             plain[name] = _known(value) if isinstance(value, float) else value
     return {**plain, "outcome": record.outcome.value}
+
+
+def _square(value: float) -> float:
+    return value * value
 
 
 def _known(value: float) -> float | None:

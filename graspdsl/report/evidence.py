@@ -1,0 +1,81 @@
+"""What a report is made from: the records of a run, its program and the courses of its trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.compiler.program import Program
+from graspdsl.diagnostics import DiagnosticError
+from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import RunFolder
+
+_NEEDED = ("time", "phase", "touching", "force_residual", "moment_residual")
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """The residuals of a trial from where its controller took over, one value a tick or probe.
+
+    time [s] since then, force ‖ρ_f‖ (1) and moment ‖ρ_m‖ [m]: (n,) each, empty where the controller never took over;
+    a residual that could not be measured is the one before it. ``touching``: whether every contact of the grasp touched
+    at the last row of the trial.
+    """
+
+    time: Array
+    force: Array
+    moment: Array
+    touching: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """A run to be reported. ``courses`` by trial number, without the trials whose trajectories cannot be read."""
+
+    folder: RunFolder
+    program: Program
+    records: tuple[TrialRecord, ...]
+    courses: dict[int, Course]
+
+    def touching(self, record: TrialRecord) -> bool | None:
+        """Whether every contact of the grasp touched at the end of a trial; None where that is not known."""
+        course = self.courses.get(record.number)
+        return None if course is None else course.touching
+
+
+def gathered(folder: RunFolder) -> Evidence:
+    """The evidence in the folder of a run. Raises DiagnosticError when its records or its spec cannot be read."""
+    program, records = program_of_run(folder), tuple(folder.records())
+    contacts = [phase.grasp.contacts for phase in program.phases]
+    courses = {}
+    for record in records:
+        course = _course(folder, record, contacts)
+        if course is not None:
+            courses[record.number] = course
+    return Evidence(folder, program, records, courses)
+
+
+def _course(folder: RunFolder, record: TrialRecord, contacts: Sequence[tuple[int, ...]]) -> Course | None:
+    try:
+        rows = folder.trajectory(record.number)
+        time, phase, touching, force, moment = (rows[name].astype(np.float64) for name in _NEEDED)
+        last = contacts[int(phase[-1])]
+        touched = bool(touching[-1, list(last)].all())
+    except (DiagnosticError, LookupError):  # damaged, or a trial that ended before its first tick
+        return None
+    # The controller's samples are the last rows, from where it takes over from the guarded close.
+    begun = len(time) - min(record.samples, len(time))
+    return Course(time[begun:] - time[begun : begun + 1], _held(force[begun:]), _held(moment[begun:]), touched)
+
+
+def _held(values: Array) -> Array:
+    """The values, with the one before in place of each that is not finite; those before the first finite are its."""
+    known = np.isfinite(values)
+    if not known.any():
+        return values
+    latest = np.maximum.accumulate(np.where(known, np.arange(len(values)), -1))
+    return np.asarray(values[np.where(latest < 0, int(np.argmax(known)), latest)])
