@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import time
 from importlib import metadata
@@ -38,6 +39,15 @@ def identity(program: Program, number: int, seed: int) -> str:
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
+class NoFeasibleStartError(Exception):
+    """The world could take up none of the starts that were ``tried``."""
+
+    def __init__(self, tried: int, reason: str) -> None:
+        self.tried = tried
+        whole = "the start was not feasible" if tried == 1 else f"none of {tried} starts was feasible, the last"
+        super().__init__(f"{whole} because {reason}")
+
+
 class TrialLoop:
     """Runs trials of one program on one world, one after the other."""
 
@@ -51,14 +61,14 @@ class TrialLoop:
         random = generator(seed, number)
         start, redraws, log = None, 0, Logbook(np.zeros(3))
         try:
-            start, redraws, observation = self._begin(random)
+            start, redraws, observation = self._begin(number, random)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
         except WorldCrashError as error:
             verdict = Verdict(Outcome.CRASHED, str(error))
-        except InfeasibleStartError as error:
-            redraws, verdict = MOST_REDRAWS, Verdict(Outcome.CRASHED, str(error))
+        except NoFeasibleStartError as error:
+            redraws, verdict = error.tried - 1, Verdict(Outcome.INFEASIBLE, str(error))
         finally:
             self._world.close()
         record = TrialRecord(
@@ -89,17 +99,17 @@ class TrialLoop:
         )
         return Trial(record, log.trajectory())
 
-    def _begin(self, random: np.random.Generator) -> tuple[Start, int, Observation]:
+    def _begin(self, number: int, random: np.random.Generator) -> tuple[Start, int, Observation]:
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
-        starts = draws(self._program.spec.trials.start, self._body, surface, random, floats=floats)
-        reason = ""
-        for redraws, start in zip(range(MOST_REDRAWS), starts, strict=False):
+        wanted = self._program.spec.trials.start_of(number)
+        tried, reason = 0, ""
+        for start in itertools.islice(draws(wanted, self._body, surface, random, floats=floats), MOST_REDRAWS):
             try:
-                return start, redraws, self._world.reset(start, int(random.integers(2**31)))
+                return start, tried, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:
-                reason = str(error)
-        raise InfeasibleStartError(f"no start in {MOST_REDRAWS} draws was feasible, the last because {reason}")
+                tried, reason = tried + 1, str(error)
+        raise NoFeasibleStartError(tried, reason)
 
     def _phases(self, observation: Observation, log: Logbook) -> Verdict:
         first = observation

@@ -18,6 +18,7 @@ class Outcome(enum.StrEnum):
     TIMEOUT = "timeout"
     DIVERGED = "diverged"
     CRASHED = "crashed"
+    INFEASIBLE = "infeasible"
 
 
 @dataclass(frozen=True, slots=True)

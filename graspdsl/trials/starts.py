@@ -31,12 +31,16 @@ def draws(
 
     A world takes the first that it can take up. Since experiments ask how orientations fare, the next draw keeps the
     orientation of the hand and draws its placement anew; after PLACEMENTS_EACH of them the orientation is drawn anew
-    too. Floating contacts have no hand: the world draws them itself. palm_surface [m] is the palm's distance ahead of
-    the mounting face.
+    too. A start without anything to draw comes once. Floating contacts have no hand: the world draws them itself.
+    palm_surface [m] is the palm's distance ahead of the mounting face.
     """
     if floats:
         while True:
             yield Start(np.zeros(3), np.eye(3), {})
+    numbers = {name: getattr(start, name) for name in (*ORIENTATION, *PLACEMENT)}
+    if all(isinstance(number, float) for number in numbers.values()):
+        yield pose(start.approach or "side", numbers, body, palm_surface)
+        return
     while True:
         oriented = {name: _value(getattr(start, name), random) for name in ORIENTATION}
         for _ in range(PLACEMENTS_EACH):
