@@ -85,7 +85,7 @@ class Trials(Model):
 
     def start_of(self, number: int) -> Start:
         """What the start of a trial is drawn from: on a grid, with the numbers of its cell in their places."""
-        values = {}
+        values: dict[str, float] = {}
         for axis in self.grid or ():
             number, cell = divmod(number, axis.cells)
             values[axis.parameter] = axis.middle(cell)

@@ -28,7 +28,7 @@ class Axis:
     @property
     def said(self) -> str:
         """The axis as ``--over`` takes it."""
-        return f"{self.parameter}={self.low:g}:{self.high:g}"
+        return f"{self.parameter}={self.low!r}:{self.high!r}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,7 +41,7 @@ def floating_cells(
     wanted: Sequence[WantedAxis],
     contact: str | None,
     seed: int,
-    on_cells: Callable[[int], None] = lambda done: None,
+    on_cells: Callable[[int], None] | None = None,
 ) -> Cells:
     """What becomes of contacts when one of them starts in each direction of a grid.
 
@@ -66,7 +66,8 @@ def floating_cells(
     runs = []
     for first in range(0, len(points), TOGETHER):
         runs.append(run_program(program, surface, points[first : first + TOGETHER]))
-        on_cells(min(first + TOGETHER, len(points)))
+        if on_cells is not None:
+            on_cells(min(first + TOGETHER, len(points)))
     ends = np.concatenate([run.points for run in runs])
     outcomes = [outcome for run in runs for outcome in run.outcomes]
     others = {name: _angles(points[0, names.index(name)]) for name in acting if name != moved}
