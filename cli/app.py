@@ -203,15 +203,18 @@ def compare(
     folders: Annotated[
         list[Path], typer.Argument(metavar="RUN RUN", help="Folders of runs; the first is the measure.")
     ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="The comparison's folder; by default a new one in runs/.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Put runs side by side, with ratios and their intervals."""
+    """Put runs side by side, with differences, ratios and their intervals; figures and a page as files."""
     if len(folders) < 2:
         raise typer.BadParameter("give at least two runs", param_hint="RUN")
     with answering(as_json):
         from graspdsl.cli.comparing import show_comparison
 
-        show_comparison(folders, as_json)
+        show_comparison(folders, out, as_json)
 
 
 class Kind(enum.StrEnum):

@@ -17,7 +17,8 @@ from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import percent, row, table, text_of
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
-from graspdsl.report.map_files import FILES, prepare, write_map
+from graspdsl.report.map_files import FILES, write_map
+from graspdsl.report.writing import prepare
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.report.attraction import AttractionMap, as_data
+from graspdsl.report.writing import write
 
 FILES = ("map.svg", "map.png", "map.json")
 
@@ -20,29 +19,3 @@ def write_map(folder: Path, made: AttractionMap) -> None:
     figure = map_figure(made)
     contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
     write(folder, dict(zip(FILES, contents, strict=True)))
-
-
-def prepare(folder: Path, files: Mapping[str, str]) -> None:
-    """Make a folder, or take an empty one, and write files into it. Raises DiagnosticError where it cannot."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        occupied = any(folder.iterdir())
-    except OSError as error:
-        raise _unwritable(error) from error
-    if occupied:
-        raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint="name another")])
-    write(folder, files)
-
-
-def write(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder. Raises DiagnosticError where it cannot."""
-    try:
-        for name, content in files.items():
-            (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-    except OSError as error:
-        raise _unwritable(error) from error
-
-
-def _unwritable(error: OSError) -> DiagnosticError:
-    reason = (error.strerror or "unknown reason").lower()
-    return DiagnosticError([Diagnostic("folder-not-writable", f"cannot write to this folder: {reason}")])
