@@ -33,12 +33,11 @@ def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
 
 def comparison_text(numbers: dict[str, Any], place: Path) -> str:
     """A comparison laid out for the terminal that stdout is."""
-    parts: list[RenderableType] = [
-        Text(
-            f"{number}: {writable(run['name'])}, seed {run['seed']}, {printable(writable(run['run']))}", overflow="fold"
-        )
+    heads = [
+        ", ".join([f"{number}: {run['name']}", *run["settings"], f"seed {run['seed']}", run["run"]])
         for number, run in enumerate(numbers["runs"], 1)
     ]
+    parts: list[RenderableType] = [Text(printable(writable(head)), overflow="fold") for head in heads]
     for made in tables_of(numbers):
         side = table(made.title, *made.columns)
         for cells in made.rows:

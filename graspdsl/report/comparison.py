@@ -51,6 +51,7 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
     finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
     return {
         "name": numbers["name"],
+        "settings": settings_of(folder),
         "run": numbers["run"],
         "seed": numbers["seed"],
         "command": numbers["command"],
@@ -69,6 +70,11 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
         ],
         "medians": {name: _median(measure.values(records)) for name, measure in MEASURES.items()},
     }
+
+
+def settings_of(folder: RunFolder) -> list[str]:
+    """What was set for a run on the command line, but for the number of its trials and their seed."""
+    return [name for name in folder.manifest.overrides if not name.startswith(("trials.count=", "trials.seed="))]
 
 
 def _against(first: Run, other: Run) -> dict[str, Any]:

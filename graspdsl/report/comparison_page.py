@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
+from graspdsl.report.comparison import settings_of
 from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
 from graspdsl.report.comparison_tables import methods_of, tables_of
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
@@ -20,6 +22,7 @@ from graspdsl.report.palette import stylesheet
 from graspdsl.report.writing import prepare
 from graspdsl.trials.store import RunFolder
 
+LONGEST_LABEL = 70  # characters
 PAGE, NUMBERS = "compare.html", "compare.json"
 FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
     "orientation": (
@@ -52,7 +55,7 @@ def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping
 
     Raises DiagnosticError where it cannot, or when a run cannot be read.
     """
-    sides = [Side(f"{number}: {folder.manifest.name}", gathered(folder)) for number, folder in enumerate(folders, 1)]
+    sides = [Side(_label(number, folder), gathered(folder)) for number, folder in enumerate(folders, 1)]
     files: dict[str, str | bytes] = {NUMBERS: json.dumps(numbers, indent=2, allow_nan=False) + "\n"}
     drawn = []
     for name, (draw, caption) in FIGURES.items():
@@ -61,6 +64,11 @@ def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping
         drawn.append(DrawnFigure(Markup(inline_svg(svg_of(figure, name), name, str(escape(caption)))), caption))
     files[PAGE] = page(numbers, drawn)
     prepare(place, files)
+
+
+def _label(number: int, folder: RunFolder) -> str:
+    whole = ", ".join([f"{number}: {folder.manifest.name}", *settings_of(folder)])
+    return textwrap.shorten(whole, LONGEST_LABEL, placeholder=" …")
 
 
 def page(numbers: Mapping[str, Any], figures: Sequence[DrawnFigure]) -> str:

@@ -150,7 +150,8 @@ def _classes(axes: Axes, made: AttractionMap) -> None:
 def _entry(found: CellClass, total: int) -> str:
     low, high = wilson(len(found.cells), total)
     share = 100 * len(found.cells) / total
-    return f"{found.label}: {len(found.cells)} cells, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
+    cells = "1 cell" if len(found.cells) == 1 else f"{len(found.cells)} cells"
+    return f"{found.label}: {cells}, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def _ticks(figure: Figure, axes: Axes, made: AttractionMap) -> None:

@@ -39,7 +39,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunFolder]:
     place = tmp_path_factory.mktemp("<i>&")
     return [
         run(place / "<script>", "moment_subject_to_force.yaml", "trials.count=8"),
-        run(place / "b", "cstar.yaml", "trials.count=4"),
+        run(place / "b", "cstar.yaml", "trials.count=4", "about=a <b>"),
         run(place / "c", "cstar.yaml", count=0),
     ]
 
@@ -88,6 +88,7 @@ def test_the_page_holds_all_and_needs_no_other_file(runs: list[RunFolder], tmp_p
     assert all(link.startswith("#") and link[1:] in reader.ids for link in reader.links)
     assert not re.search(r"url\((?!#)|@import|<script", page)
     assert "<script>" in reader.text  # the name of a folder, as text
+    assert reader.text.count("2: compare-cstar, about=a <b>") == len(FIGURES)  # and a setting, in each legend
     for table in tables_of(numbers):
         assert table.title in reader.text
         assert all(cell in reader.text for row in table.rows for cell in row)
