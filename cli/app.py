@@ -109,6 +109,46 @@ def run(
     raise typer.Exit(code)
 
 
+@app.command(name="map")
+def map_(
+    spec: Annotated[Path | None, typer.Argument(metavar="SPEC", help="A spec file (YAML).")] = None,
+    over: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y",
+            help="Two numbers of a start, across and up, as roll,height or roll=-1.5:1.5,height=0.06:0.16; without "
+            "bounds, between those that the spec draws from. For floating contacts azimuth,polar: the direction, from "
+            "the object's centre, that one contact starts in.",
+        ),
+    ] = None,
+    grid: Annotated[str, typer.Option(metavar="COLUMNSxROWS", help="How many cells across and up.")] = "40x40",
+    contact: Annotated[str | None, typer.Option(help="Which floating contact; by default the grasp's first.")] = None,
+    seed: Seed = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="The map's folder; by default a new one in runs/.")
+    ] = None,
+    resume: Annotated[Path | None, typer.Option(metavar="DIR", help="Finish the map in this folder.")] = None,
+    settings: Setting = [],  # noqa: B006 (typer copies it)
+    as_json: AsJson = False,
+) -> None:
+    """Map the domain of attraction: which starts end in which mode or outcome."""
+    with answering(as_json):
+        from graspdsl.cli.mapping import make_map, resume_map, wanted_axes
+
+        if resume is not None:
+            if any(value is not None for value in (spec, over, contact, seed, out)) or settings:
+                raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
+            code = resume_map(resume, workers, as_json)
+        elif spec is None or over is None:
+            raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
+        else:
+            axes = wanted_axes(over, grid)
+            overrides = [*settings, *([f"trials.seed={seed}"] if seed is not None else [])]
+            code = make_map(spec, axes, tuple(overrides), contact=contact, workers=workers, out=out, as_json=as_json)
+    raise typer.Exit(code)
+
+
 class Form(enum.StrEnum):
     """The ways to show a formula."""
 
@@ -163,15 +203,18 @@ def compare(
     folders: Annotated[
         list[Path], typer.Argument(metavar="RUN RUN", help="Folders of runs; the first is the measure.")
     ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="The comparison's folder; by default a new one in runs/.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Put runs side by side, with ratios and their intervals."""
+    """Put runs side by side, with differences, ratios and their intervals; figures and a page as files."""
     if len(folders) < 2:
         raise typer.BadParameter("give at least two runs", param_hint="RUN")
     with answering(as_json):
         from graspdsl.cli.comparing import show_comparison
 
-        show_comparison(folders, as_json)
+        show_comparison(folders, out, as_json)
 
 
 class Kind(enum.StrEnum):

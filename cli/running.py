@@ -49,6 +49,14 @@ def go_on(path: Path, spec: Path | None) -> RunFolder:
 
 def finish(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run what is not finished, show progress, then the summary. Returns the exit code."""
+    code = carried_on(folder, workers, "run")
+    if code == 0:
+        show(folder, as_json)
+    return code
+
+
+def carried_on(folder: RunFolder, workers: int | None, command: str) -> int:
+    """Run what is not finished and show progress. Returns the exit code; ``command`` is the one that would go on."""
     with reading(str(folder.path)):
         finished = folder.finished()
         manifest = folder.manifest
@@ -59,14 +67,13 @@ def finish(folder: RunFolder, workers: int | None, as_json: bool) -> int:
             with Progress(manifest.asked, finished) as progress:
                 execute(folder, workers, progress.advance)
         except KeyboardInterrupt:
-            say(f"interrupted; {_kept(folder)}")
+            say(f"interrupted; {_kept(folder, command)}")
             return INTERRUPTED
         except WorkerEndedError as end:
-            say(f"{end}; {_kept(folder)}")
+            say(f"{end}; {_kept(folder, command)}")
             if not end.from_outside:
                 raise
             return INTERRUPTED
-    show(folder, as_json)
     return 0
 
 
@@ -80,6 +87,5 @@ def show(folder: RunFolder, as_json: bool) -> None:
         result(summary_text(numbers))
 
 
-def _kept(folder: RunFolder) -> str:
-    command = f"graspdsl run --resume {shlex.quote(str(folder.path))}"
-    return f"finished trials are kept. To go on:\n  {command}"
+def _kept(folder: RunFolder, command: str) -> str:
+    return f"finished trials are kept. To go on:\n  graspdsl {command} --resume {shlex.quote(str(folder.path))}"

@@ -70,6 +70,13 @@ class _Check:
             if name in names:
                 where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
                 self._warn(f"{name} has no effect: {where}", (*start, name))
+        grid: Path = ("trials", "grid")
+        axes = _value(self._document, grid)
+        for place, axis in enumerate(axes if isinstance(axes, list) else []):
+            mapped = axis.get("parameter") if isinstance(axis, dict) else None
+            if mapped in idle:
+                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
+                self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
         if self._world.floats and _value(self._document, ("scene", "friction")) is not None:
             self._warn("friction has no effect: floating contacts have none", ("scene", "friction"))
         if _value(self._document, ("evaluate",)):

@@ -1,125 +1,155 @@
-"""Runs side by side: what each did, and ratios against the first with intervals."""
+"""Runs side by side: what each did, and differences from the first with intervals."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
+from graspdsl.report.compared_measures import MEASURES, Measure
+from graspdsl.report.differences import (
+    Estimate,
+    difference_of_medians,
+    difference_of_paired_shares,
+    difference_of_shares,
+    ratio_of_medians,
+)
 from graspdsl.report.statistics import wilson
+from graspdsl.report.summary import summary
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import RunFolder
 
-RESAMPLES = 2000
-BOOTSTRAP_SEED = 0  # the interval of a comparison is the same whenever it is made
-
-MEASURES: dict[str, tuple[str, Callable[[TrialRecord], float]]] = {
-    "world_s": ("time of a trial [s]", lambda record: record.world_s),
-    "samples": ("tactile samples", lambda record: float(record.samples)),
-    "ticks": ("ticks or probes", lambda record: float(record.ticks)),
-    "orientation_end": ("orientation at the end [rad]", lambda record: record.orientation_end),
-    "force_residual_end": ("force residual at the end", lambda record: record.force_residual_end),
-    "moment_residual_end": ("moment residual at the end [m]", lambda record: record.moment_residual_end),
-}
-RATIOS = ("world_s", "samples", "ticks")
+Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of the first run, of the other
+Run = tuple[RunFolder, list[TrialRecord]]
 
 
 def comparison(folders: Sequence[RunFolder]) -> dict[str, Any]:
-    """Everything ``compare`` says, as plain data.
+    """Everything ``compare`` says, as plain data; what could not be measured is None.
 
-    Medians are over converged trials. Ratios are of medians against the first run, with 95 % intervals by the
-    percentile bootstrap over trials: over pairs of trials where both runs have the same starts, else over each run's
-    trials on its own. ``orientation_difference``: the median of |difference| [rad] over pairs.
+    Shares carry 95 % Wilson intervals. Medians are over all finished trials that have the measure, those of costs
+    over converged ones. Differences and ratios are against the first run, each with its method; trials are paired
+    where at least half of the smaller run's trials began like those of the same number in the first run.
+    ``orientation_difference``: the median of |difference| [rad] over pairs of converged trials. Raises
+    DiagnosticError when a run cannot be read.
     """
     runs = [(folder, folder.records()) for folder in folders]
-    first = runs[0]
     return {
-        "measures": {name: label for name, (label, _) in MEASURES.items()},
-        "runs": [_column(folder, records) for folder, records in runs],
-        "against_first": [_against(first, other) for other in runs[1:]],
+        "measures": {name: measure.label for name, measure in MEASURES.items()},
+        "runs": [_column(*run) for run in runs],
+        "against_first": [_against(runs[0], other) for other in runs[1:]],
     }
 
 
 def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]:
-    converged = _converged(records)
+    numbers = summary(folder)
+    finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
     return {
-        "name": folder.manifest.name,
-        "run": str(folder.path),
-        "seed": folder.manifest.seed,
-        "finished": len(records),
-        "converged": len(converged),
-        "share": len(converged) / len(records) if records else None,
-        "interval": wilson(len(converged), len(records)),
-        "medians": {name: _median([measure(r) for r in converged]) for name, (_, measure) in MEASURES.items()},
+        "name": numbers["name"],
+        "settings": settings_of(folder),
+        "run": numbers["run"],
+        "seed": numbers["seed"],
+        "command": numbers["command"],
+        "asked": numbers["trials"]["asked"],
+        "finished": finished,
+        "converged": converged,
+        "share": converged / finished if finished else None,
+        "interval": wilson(converged, finished),
+        "outcomes": {
+            name: {"count": count, "share": count / finished, "interval": wilson(count, finished)}
+            for name, count in numbers["outcomes"].items()
+        },
+        "modes": [
+            {**{key: mode[key] for key in ("centre", "share", "interval")}, "count": len(mode["trials"])}
+            for mode in numbers["modes"]
+        ],
+        "medians": {name: _median(measure.values(records)) for name, measure in MEASURES.items()},
     }
 
 
-def _against(first: tuple[RunFolder, list[TrialRecord]], other: tuple[RunFolder, list[TrialRecord]]) -> dict[str, Any]:
-    pairs = _pairs(first, other)
-    ratios = {}
-    for name in RATIOS:
-        measure = MEASURES[name][1]
-        if pairs:
-            values = np.array([[measure(a), measure(b)] for a, b in pairs])
-            ratios[name] = _ratio(values[:, 1], values[:, 0], paired=True)
-        else:
-            ours, theirs = _converged(other[1]), _converged(first[1])
-            ratios[name] = _ratio(
-                np.array([measure(r) for r in ours]), np.array([measure(r) for r in theirs]), paired=False
-            )
-    turned = [abs(a.orientation_end - b.orientation_end) for a, b in pairs]
+def settings_of(folder: RunFolder) -> list[str]:
+    """What was set for a run on the command line, but for the number of its trials and their seed."""
+    return [name for name in folder.manifest.overrides if not name.startswith(("trials.count=", "trials.seed="))]
+
+
+def _against(first: Run, other: Run) -> dict[str, Any]:
+    pairs = pairs_of(first, other)
+    paired = len(pairs) > 0 and 2 * len(pairs) >= min(len(first[1]), len(other[1]))
+    if paired:
+        converged = difference_of_paired_shares(_converged([b for _, b in pairs]), _converged([a for a, _ in pairs]))
+    else:
+        converged = difference_of_shares(_converged(other[1]), _converged(first[1]))
+    differences, ratios = {}, {}
+    for name, measure in MEASURES.items():
+        theirs, ours = _values(measure, pairs if paired else None, first[1], other[1])
+        differences[name] = _plain(difference_of_medians(ours, theirs, paired=paired))
+        if measure.ratio:
+            ratios[name] = _plain(ratio_of_medians(ours, theirs, paired=paired))
+    turned = [abs(a.orientation_end - b.orientation_end) for a, b in pairs if _both_converged(a, b)]
     return {
         "run": str(other[0].path),
         "pairs": len(pairs),
+        "paired": paired,
+        "only_first_converged": sum(_has(a) and not _has(b) for a, b in pairs),
+        "only_other_converged": sum(_has(b) and not _has(a) for a, b in pairs),
+        "converged": _plain(converged),
+        "differences": differences,
         "ratios": ratios,
-        "orientation_difference": _median(turned),
+        "orientation_difference": _median(np.array(turned)),
     }
 
 
-def _pairs(
-    first: tuple[RunFolder, list[TrialRecord]], other: tuple[RunFolder, list[TrialRecord]]
-) -> list[tuple[TrialRecord, TrialRecord]]:
-    """Converged trials of the same number that began alike."""
-    if first[0].manifest.seed != other[0].manifest.seed or _scene(first[0]) != _scene(other[0]):
+def _values(
+    measure: Measure, pairs: Pairs | None, first: Sequence[TrialRecord], other: Sequence[TrialRecord]
+) -> tuple[Array, Array]:
+    return (measure.values(first), measure.values(other)) if pairs is None else measure.paired(pairs)
+
+
+def pairs_of(first: Run, other: Run) -> Pairs:
+    """Trials of the same number that began alike, whatever became of them: first run's, other run's.
+
+    In a world with a hand, where all that was drawn is equal: the two may differ in mount, sensing or controller. In
+    the floating world contacts are drawn by the seed, over the object: both must be equal.
+    """
+    if _ground(first[0]) != _ground(other[0]):
         return []
-    known = {record.number: record for record in _converged(first[1])}
+    floats = _ground(first[0])[0] == "floating"
+    known = {record.number: record for record in first[1] if floats or record.start}
     return [
         (known[record.number], record)
-        for record in _converged(other[1])
+        for record in other[1]
         if record.number in known and known[record.number].start == record.start
     ]
 
 
-def _scene(folder: RunFolder) -> tuple[object, ...]:
-    """What, besides the seed, makes starts equal: the same robot before the same object."""
+def _ground(folder: RunFolder) -> tuple[object, ...]:
+    """What must be the same for equal draws to be equal starts."""
     manifest = folder.manifest
     scene = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec.scene
-    return scene.world, scene.hand, scene.mount, scene.object
+    return (scene.world, manifest.seed, scene.hand, scene.object) if scene.world == "floating" else (scene.world,)
 
 
-def _converged(records: Sequence[TrialRecord]) -> list[TrialRecord]:
-    return [record for record in records if record.outcome is Outcome.CONVERGED]
+def _has(record: TrialRecord) -> bool:
+    return record.outcome is Outcome.CONVERGED
 
 
-def _ratio(above: Array, below: Array, *, paired: bool) -> dict[str, Any] | None:
-    """The ratio of two medians and its interval; None where there is none."""
-    if len(above) == 0 or len(below) == 0 or np.median(below) == 0.0:
-        return None
-    random = np.random.default_rng(BOOTSTRAP_SEED)
-    rows = random.integers(len(above), size=(RESAMPLES, len(above)))
-    columns = rows if paired else random.integers(len(below), size=(RESAMPLES, len(below)))
-    medians = np.median(below[columns], axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.median(above[rows], axis=1) / medians
-    low, high = np.percentile(ratios[np.isfinite(ratios)], [2.5, 97.5])
-    return {"value": float(np.median(above) / np.median(below)), "interval": [float(low), float(high)]}
+def _both_converged(one: TrialRecord, other: TrialRecord) -> bool:
+    return _has(one) and _has(other)
 
 
-def _median(values: Sequence[float]) -> float | None:
+def _converged(records: Sequence[TrialRecord]) -> Flags:
+    return np.array([_has(record) for record in records], dtype=bool)
+
+
+def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
+    return None if estimate is None else dataclasses.asdict(estimate)
+
+
+def _median(values: Array) -> float | None:
     known = [value for value in values if math.isfinite(value)]
     return float(np.median(known)) if known else None

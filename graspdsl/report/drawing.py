@@ -22,7 +22,9 @@ def svg_of(figure: Figure, name: str) -> str:
     stream = io.StringIO()
     with _written_out(figure), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    lowered = re.sub(r"ρ_(\w)([^<]*)", r'ρ<tspan dy="2" font-size="70%">\1</tspan><tspan dy="-2">\2</tspan>', stream.getvalue())
+    lowered = re.sub(
+        r"ρ_(\w)([^<]*)", r'ρ<tspan dy="2" font-size="70%">\1</tspan><tspan dy="-2">\2</tspan>', stream.getvalue()
+    )
     return re.sub(r"-?\d+\.\d{3,}", lambda match: f"{float(match[0]):.2f}", lowered)
 
 

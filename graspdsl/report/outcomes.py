@@ -8,24 +8,24 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from graspdsl.report.statistics import wilson
-from graspdsl.trials.loop import MOST_REDRAWS, PROBES_STALLED, SECONDS_STALLED
-from graspdsl.trials.monitors import Bounds
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
-_BOUNDS = Bounds()
+# What each outcome says of a trial; the times and bounds are those of the spec's monitors.
 MEANINGS: Mapping[Outcome, str] = {
-    Outcome.CONVERGED: f"the end conditions held, and the object had moved by {1000 * _BOUNDS.dragged:g} mm at most",
-    Outcome.LOCAL_MINIMUM: f"the residual fell by less than {100 * _BOUNDS.progress:g} % in {SECONDS_STALLED:g} s "
-    f"(or {PROBES_STALLED} probes)",
+    Outcome.CONVERGED: "the end conditions held, and the object had not been dragged",
+    Outcome.LOCAL_MINIMUM: "the residual stopped falling",
     Outcome.PALM_COLLISION: "the palm touched the object",
-    Outcome.CONTACT_LOST: f"a contact was never made, or was lost for {_BOUNDS.lost:g} s",
-    Outcome.TOPPLED: f"the object leant by more than {_BOUNDS.lean:g} rad",
-    Outcome.JOINT_LIMIT: "time was up with a joint at its limit",
+    Outcome.LINK_COLLISION: "a link other than fingertips and palm touched the object",
+    Outcome.TABLE_CONTACT: "a link touched the table",
+    Outcome.CONTACT_LOST: "a contact was never made, or was lost",
+    Outcome.TOPPLED: "the object leant too far, or did not stand",
+    Outcome.DRAGGED: "the end conditions held, but the object had been dragged",
+    Outcome.JOINT_LIMIT: "a joint was kept from going on by its limit",
     Outcome.TIMEOUT: "time was up",
-    Outcome.DIVERGED: f"the object was moved by more than {1000 * _BOUNDS.shift:g} mm, or dragged by more than "
-    f"{1000 * _BOUNDS.dragged:g} mm to a low residual",
-    Outcome.CRASHED: f"the simulation failed, or no start in {MOST_REDRAWS} draws was feasible",
+    Outcome.DIVERGED: "the object was moved away",
+    Outcome.INFEASIBLE_START: "the world could take up no start that was drawn",
+    Outcome.CRASHED: "the simulation failed",
 }
 
 # A number on its own, not part of a name such as finger-3.

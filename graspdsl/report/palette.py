@@ -54,7 +54,8 @@ def series(index: int) -> str:
 def stylesheet() -> str:
     """Both sets of colours as CSS variables; dark where the reader's system is, light on paper."""
     light, dark = _variables(LIGHT), _variables(DARK)
-    return f":root {{ color-scheme: light dark; {light} }}\n@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
+    in_the_dark = f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}"
+    return f":root {{ color-scheme: light dark; {light} }}\n{in_the_dark}\n"
 
 
 def _variables(colours: Mapping[str, str]) -> str:

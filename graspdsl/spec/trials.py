@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError, model_validator
 
 from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length
-from graspdsl.spec.fields import Count, Model
+from graspdsl.spec.fields import Count, Model, Number, fault
+
+MOST_TRIALS = 100_000
 
 
 class Start(Model):
@@ -29,9 +33,63 @@ class Start(Model):
     )
 
 
+class GridAxis(Model):
+    """One axis of a grid of starts: the number of a start that it stands for, at the middles of equal cells."""
+
+    parameter: Literal["roll", "height", "standoff", "yaw", "offset", "tilt"] = Field(
+        description="which number of 'start' is laid on the grid, in its unit", examples=["roll"]
+    )
+    low: Number = Field(description="where the first cell begins, in the unit of the parameter", examples=[-1.5])
+    high: Number = Field(description="where the last cell ends, in the unit of the parameter", examples=[1.5])
+    cells: Count = Field(ge=1, le=1000, description="how many cells there are, 1 to 1000", examples=[40])
+
+    @model_validator(mode="after")
+    def _a_range_of_starts(self) -> GridAxis:
+        if self.low >= self.high:
+            message = f"the low end {self.low:g} is not below the high end {self.high:g}"
+            raise fault("out-of-range", message, "give the lower end first")
+        try:
+            Start.model_validate({self.parameter: {"uniform": (self.low, self.high)}})
+        except ValidationError as error:
+            context = error.errors()[0].get("ctx", {})
+            message = f"{self.parameter}: {context.get('message', 'these ends cannot be')}"
+            raise fault("out-of-range", message, context.get("hint")) from None
+        return self
+
+    def middle(self, cell: int) -> float:
+        """The value at the middle of a cell, counted from 0."""
+        return self.low + (cell + 0.5) * (self.high - self.low) / self.cells
+
+
 class Trials(Model):
     """The trials of a run."""
 
-    count: Count = Field(default=20, ge=1, le=100_000, description="how many trials there are, 1 to 100000")
+    count: Count = Field(default=20, ge=1, le=MOST_TRIALS, description="how many trials there are, 1 to 100000")
     seed: Count = Field(default=0, ge=0, le=2**63 - 1, description="what the random numbers are made from, 0 to 2⁶³−1")
     start: Start = Field(default=Start(), description="where the hand stands when a trial starts")
+    grid: tuple[GridAxis, ...] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=6,
+        description="lays numbers of 'start' on a grid, a trial a cell, those of the first axis side by side; trials "
+        "past the last cell begin at the first again",
+    )
+
+    @model_validator(mode="after")
+    def _each_axis_once(self) -> Trials:
+        counts = Counter(axis.parameter for axis in self.grid or ())
+        twice = [parameter for parameter, count in counts.items() if count > 1]
+        if twice:
+            raise fault("declared-twice", f"the grid has two axes of {twice[0]}", "keep one of them")
+        cells = math.prod(axis.cells for axis in self.grid or ())
+        if cells > MOST_TRIALS:
+            raise fault("out-of-range", f"a grid has at most {MOST_TRIALS} cells, this one {cells}", "use fewer cells")
+        return self
+
+    def start_of(self, number: int) -> Start:
+        """What the start of a trial is drawn from: on a grid, with the numbers of its cell in their places."""
+        values: dict[str, float] = {}
+        for axis in self.grid or ():
+            number, cell = divmod(number, axis.cells)
+            values[axis.parameter] = axis.middle(cell)
+        return self.start.model_copy(update=values)

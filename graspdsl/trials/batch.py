@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +10,15 @@ import numpy as np
 from graspdsl.arrays import Array, Flags
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.objects.surfaces.surface import Surface
+from graspdsl.trials.stalling import StallWatch
 from graspdsl.worlds.floating import sensed, slid
 
 
 @dataclass(frozen=True, slots=True)
 class BatchResult:
     """What became of N starts. points: (N, k, 3) [m]; force_residual (N,) (1) and moment_residual (N,) [m] at the end;
-    converged: (N,); ticks: (N,), the step from which on both residuals stayed low, or all steps.
+    converged: (N,); ticks: (N,), the step from which on both residuals stayed low, or all steps. stalled: (N,), those
+    given up because their residual had stopped falling, where a watch was asked for.
     """
 
     points: Array
@@ -23,6 +26,16 @@ class BatchResult:
     moment_residual: Array
     converged: Flags
     ticks: Array
+    stalled: Flags
+
+
+@dataclass(frozen=True, slots=True)
+class BatchStage:
+    """A stage of a batch: its pipeline and the bounds that the residuals must stay below, ‖ρ_f‖ (1) and ‖ρ_m‖ [m]."""
+
+    pipeline: Pipeline
+    force_bound: float
+    moment_bound: float
 
 
 def run_batch(
@@ -42,22 +55,46 @@ def run_batch(
     has stayed low as long, the force's for all but the last. Contacts that have converged stay where they are, or with
     ``stop=False`` go on, and have converged if both residuals were low over the last ``hold`` of all steps.
     """
+    last = len(pipelines) - 1
+    stages = [
+        BatchStage(pipeline, force_bound, moment_bound if index == last else np.inf)
+        for index, pipeline in enumerate(pipelines)
+    ]
+    return run_stages(stages, surface, points, hold=hold, steps=steps, stop=stop)
+
+
+def run_stages(
+    stages: Sequence[BatchStage],
+    surface: Surface,
+    points: Array,
+    *,
+    hold: int,
+    steps: int,
+    stop: bool = True,
+    weight: float = 0.0,
+    stalling: StallWatch | None = None,
+) -> BatchResult:
+    """As :func:`run_batch`, each stage to bounds of its own, on an object of this weight [N].
+
+    Contacts that ``stalling`` finds in a local minimum stay where they are.
+    """
     points = points.copy()
     count = len(points)
     held, stage = np.zeros(count, dtype=int), np.zeros(count, dtype=int)
     ticks = np.full(count, steps, dtype=float)
     force, moment = np.zeros(count), np.zeros(count)
-    running = np.ones(count, dtype=bool)
+    running, stalled = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
     for step in range(steps + 1):
-        for index, pipeline in enumerate(pipelines):
+        for index, at in enumerate(stages):
             chosen = np.flatnonzero(running & (stage == index))
             if len(chosen) == 0:
                 continue
-            values = pipeline.values(sensed(surface, points[chosen], 0.0, 0.0))
+            pipeline = at.pipeline
+            values = pipeline.values(sensed(surface, points[chosen], 0.0, weight))
             force[chosen] = np.linalg.norm(values[pipeline.force_residual], axis=-1)
             moment[chosen] = np.linalg.norm(values[pipeline.moment_residual], axis=-1)
-            last = index == len(pipelines) - 1
-            low = (force[chosen] < force_bound) & ((moment[chosen] < moment_bound) | (not last))
+            last = index == len(stages) - 1
+            low = (force[chosen] < at.force_bound) & (moment[chosen] < at.moment_bound)
             held[chosen] = np.where(low, held[chosen] + 1, 0)
             done = chosen[held[chosen] >= hold]
             if last:
@@ -68,10 +105,15 @@ def run_batch(
                 stage[done] += 1
                 held[done] = 0
             moving = np.setdiff1d(chosen, done, assume_unique=True)
+            if stalling is not None:
+                stalling.begin_anew(done)
+                given_up = moving[stalling.watch(step, moving, force[moving], moment[moving])]
+                stalled[given_up], running[given_up] = True, False
+                moving = np.setdiff1d(moving, given_up, assume_unique=True)
             if step < steps and len(moving):
                 rows = np.isin(chosen, moving)
                 points[moving] = slid(surface, points[moving], values[pipeline.command][rows])
         if not running.any():
             break
     converged = held >= hold
-    return BatchResult(points, force, moment, converged, np.where(converged, ticks, steps))
+    return BatchResult(points, force, moment, converged, np.where(converged, ticks, steps), stalled)

@@ -64,7 +64,7 @@ class TrialLoop:
         random = generator(seed, number)
         start, redraws, log = None, 0, Logbook(np.zeros(3))
         try:
-            start, redraws, observation = self._begin(random)
+            start, redraws, observation = self._begin(number, random)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
@@ -105,11 +105,12 @@ class TrialLoop:
         )
         return Trial(record, log.trajectory())
 
-    def _begin(self, random: np.random.Generator) -> tuple[Start, int, Observation]:
+    def _begin(self, number: int, random: np.random.Generator) -> tuple[Start, int, Observation]:
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
-        starts = draws(self._program.spec.trials.start, self._body, surface, random, floats=floats)
-        most = 1 if is_fixed(self._program.spec.trials.start) else self._most_draws
+        wanted = self._program.spec.trials.start_of(number)
+        starts = draws(wanted, self._body, surface, random, floats=floats)
+        most = 1 if is_fixed(wanted) else self._most_draws
         reasons = Counter[str]()
         for redraws, start in zip(range(most), starts, strict=False):
             try:

@@ -42,19 +42,31 @@ def test_an_unknown_kind_is_wrong_use(tmp_path: Path) -> None:
     assert "potentials" in done.stderr
 
 
-def test_two_runs_are_compared(tmp_path: Path) -> None:
-    """Ratios with intervals, as text and as data."""
-    for name in ("moment_subject_to_force", "force_subject_to_moment"):
-        made = graspdsl(
-            "run", str(SPECS / f"{name}.yaml"), "--trials", "4", "--out", str(tmp_path / name), cwd=tmp_path
-        )
+def test_runs_are_compared(tmp_path: Path) -> None:
+    """Differences and ratios with intervals, as text, as data and as a page; a run that is not finished and one that
+    stands there twice are compared too."""
+    folders = ["moment_subject_to_force", "cstar"]
+    for name in folders:
+        made = graspdsl("run", str(SPECS / f"{name}.yaml"), "--trials", "6", "--out", name, cwd=tmp_path)
         assert made.returncode == 0
-    folders = [str(tmp_path / "moment_subject_to_force"), str(tmp_path / "force_subject_to_moment")]
-    numbers = json.loads(graspdsl("compare", *folders, "--json", cwd=tmp_path).stdout)
-    assert [run["finished"] for run in numbers["runs"]] == [4, 4]
+    done = graspdsl("compare", *folders, folders[0], "--out", "<b>&", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    numbers = json.loads(done.stdout)
+    assert [run["finished"] for run in numbers["runs"]] == [6, 6, 6]
+    other, same = numbers["against_first"]
+    assert other["pairs"] == same["pairs"] == 6
+    assert other["converged"]["value"] < 0.0 == same["converged"]["value"]
+    place = tmp_path / "<b>&"
+    assert json.loads((place / "compare.json").read_text("utf-8"))["runs"] == numbers["runs"]
+    assert {file.name for file in place.iterdir()} == {"compare.html", "compare.json"} | {
+        f"{figure}.{kind}" for figure in ("orientation", "residuals", "convergence") for kind in ("svg", "png")
+    }
+    refused = graspdsl("compare", *folders, "--out", "<b>&", cwd=tmp_path)
+    assert (refused.returncode, "folder-not-empty" in refused.stderr) == (1, True)
     text = graspdsl("compare", *folders, cwd=tmp_path).stdout
     assert "tactile samples" in text
-    assert "Ratios to run 1" in text
+    assert "Newcombe 1998" in text
+    assert "runs/compare-001/compare.html" in text
 
 
 def test_one_run_or_no_run_is_not_a_comparison(tmp_path: Path) -> None:

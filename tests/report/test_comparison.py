@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,12 +11,14 @@ import pytest
 
 from graspdsl.compiler.program import program_of
 from graspdsl.report.comparison import comparison
+from graspdsl.report.differences import UNPAIRED_MEDIANS, UNPAIRED_SHARES
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
+TOWEL = SPECS.parent / "towel_roll_two_contacts.yaml"
 
 
 def run(folder: Path, name: str, *overrides: str) -> RunFolder:
@@ -36,10 +39,16 @@ def composite(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
 def test_a_run_equals_itself(composite: RunFolder) -> None:
     """Every ratio is one with an interval of no width, and every trial is a pair."""
     [against] = comparison([composite, composite])["against_first"]
-    assert against["pairs"] == sum(record.outcome is Outcome.CONVERGED for record in composite.records())
+    assert against["pairs"] == len(composite.records())
+    assert against["paired"]
     assert against["orientation_difference"] == 0.0
     for ratio in against["ratios"].values():
-        assert ratio == {"value": 1.0, "interval": [1.0, 1.0]}
+        assert (ratio["value"], ratio["interval"]) == (1.0, (1.0, 1.0))
+    for difference in against["differences"].values():
+        assert (difference["value"], difference["interval"]) == (0.0, (0.0, 0.0))
+    low, high = against["converged"]["interval"]
+    assert against["converged"]["value"] == 0.0
+    assert low == -high
 
 
 def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
@@ -58,13 +67,15 @@ def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
 
 
 def test_runs_of_other_seeds_are_not_paired(composite: RunFolder, tmp_path: Path) -> None:
-    """Without equal starts there are no pairs, but still a ratio with an interval."""
+    """Without equal starts there are no pairs, but still ratios and differences with intervals."""
     other = run(tmp_path / "other", "moment_subject_to_force.yaml", "trials.count=12", "trials.seed=99")
     [against] = comparison([composite, other])["against_first"]
     assert against["pairs"] == 0
     assert against["orientation_difference"] is None
     low, high = against["ratios"]["ticks"]["interval"]
     assert low <= against["ratios"]["ticks"]["value"] <= high
+    assert against["converged"]["method"] == UNPAIRED_SHARES
+    assert against["differences"]["ticks"]["method"] == UNPAIRED_MEDIANS
 
 
 def test_a_run_without_convergence_has_no_ratio(composite: RunFolder, tmp_path: Path) -> None:
@@ -72,4 +83,64 @@ def test_a_run_without_convergence_has_no_ratio(composite: RunFolder, tmp_path: 
     hopeless = run(tmp_path / "hopeless", "moment_alone.yaml", "trials.count=2", "program.0.limit=0.5")
     numbers = comparison([composite, hopeless])
     assert numbers["runs"][1]["medians"]["world_s"] is None
-    assert set(numbers["against_first"][0]["ratios"].values()) == {None}
+    [against] = numbers["against_first"]
+    assert set(against["ratios"].values()) == {None}
+    assert against["differences"]["ticks"] is None
+    shares = [record.outcome is Outcome.CONVERGED for record in composite.records()[:2]]
+    assert against["pairs"] == 2
+    assert against["only_first_converged"] == sum(shares)
+    assert against["converged"]["value"] == -np.mean(shares)
+
+
+def test_a_run_that_has_not_begun_is_compared(composite: RunFolder, tmp_path: Path) -> None:
+    """No finished trial: no share, no difference, no complaint, whichever stands first."""
+    text = (SPECS / "cstar.yaml").read_text("utf-8")
+    empty = new_run(tmp_path / "empty", program_of(text, "e", ()), text, "e", ())
+    for folders in ([composite, empty], [empty, composite], [empty, empty]):
+        numbers = comparison(folders)
+        [against] = numbers["against_first"]
+        assert (against["pairs"], against["paired"], against["converged"]) == (0, False, None)
+        assert set(against["differences"].values()) == {None}
+        at = folders.index(empty)
+        assert (numbers["runs"][at]["share"], numbers["runs"][at]["outcomes"]) == (None, {})
+        json.dumps(numbers, allow_nan=False)
+
+
+def hand_run(folder: Path, composite: RunFolder, starts: list[dict[str, float]], good: list[bool]) -> RunFolder:
+    """A run in the bullet world whose trials drew these starts and did or did not converge."""
+    text = TOWEL.read_text("utf-8")
+    made = new_run(folder, program_of(text, "t", ()), text, "t", ())
+    pattern = composite.records()[0]
+    for number, (start, converged) in enumerate(zip(starts, good, strict=True)):
+        outcome = Outcome.CONVERGED if converged else Outcome.TIMEOUT
+        made.add(Trial(replace(pattern, number=number, start=start, outcome=outcome), composite.trajectory(0)))
+    return made
+
+
+def test_hands_pair_by_what_was_drawn(composite: RunFolder, tmp_path: Path) -> None:
+    """Trials pair by number and drawn values; one that never got a start has no partner."""
+    drawn = [{"roll": 0.1 * number} for number in range(8)]
+    first = hand_run(tmp_path / "a", composite, drawn, [True] * 8)
+    other = hand_run(tmp_path / "b", composite, [*drawn[:5], {"roll": 9.0}, {}, drawn[7]], [False] * 3 + [True] * 5)
+    [against] = comparison([first, other])["against_first"]
+    assert (against["pairs"], against["paired"]) == (6, True)
+    assert (against["only_first_converged"], against["only_other_converged"]) == (3, 0)
+    assert against["converged"]["value"] == -0.5
+    [against] = comparison([other, hand_run(tmp_path / "c", composite, [{}] * 8, [True] * 8)])["against_first"]
+    assert (against["pairs"], against["paired"]) == (0, False)
+
+
+def test_few_pairs_among_many_trials_are_not_used(composite: RunFolder, tmp_path: Path) -> None:
+    """Three pairs of eight trials would throw most of the trials away."""
+    drawn = [{"roll": 0.1 * number} for number in range(8)]
+    first = hand_run(tmp_path / "a", composite, drawn, [True] * 8)
+    other = hand_run(tmp_path / "b", composite, [*drawn[:3], *[{"roll": 9.0}] * 5], [False] * 8)
+    [against] = comparison([first, other])["against_first"]
+    assert (against["pairs"], against["paired"], against["converged"]["value"]) == (3, False, -1.0)
+
+
+def test_contacts_on_another_object_did_not_begin_alike(composite: RunFolder, tmp_path: Path) -> None:
+    """In the floating world nothing is drawn but by the seed, over the object."""
+    change = "scene.object={ellipsoid: {size: [0.1, 0.1, 0.3]}}"
+    other = run(tmp_path / "other", "moment_subject_to_force.yaml", "trials.count=3", change)
+    assert comparison([composite, other])["against_first"][0]["pairs"] == 0

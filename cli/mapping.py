@@ -1,0 +1,167 @@
+"""Maps of the domain of attraction on the command line: what was asked, the trials, the files."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import typer
+from rich.console import RenderableType
+from rich.text import Text
+
+from graspdsl.cli.inputs import reading, sound
+from graspdsl.cli.messages import printable, result, result_json, say
+from graspdsl.cli.running import RUNS, begin, carried_on, opened
+from graspdsl.cli.tables import percent, row, table, text_of
+from graspdsl.compiler.program import Program, program_of
+from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
+from graspdsl.report.map_files import FILES, write_map
+from graspdsl.report.writing import prepare
+from graspdsl.trials.cells import Cells
+from graspdsl.trials.floating_map import floating_cells
+from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
+
+MOST_CELLS, MOST_ALONG = 100_000, 1000
+_AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")
+_GRID = re.compile(r"(\d{1,9})[x×](\d{1,9})")
+
+
+def wanted_axes(over: str, grid: str) -> list[WantedAxis]:
+    """The two axes that ``--over`` and ``--grid`` ask for. Raises typer.BadParameter."""
+    sizes = _GRID.fullmatch(grid.strip().lower())
+    if sizes is None:
+        raise typer.BadParameter(f"expected COLUMNSxROWS, found {grid!r}; for example 40x40", param_hint="--grid")
+    columns, rows = int(sizes[1]), int(sizes[2])
+    if not (1 <= columns <= MOST_ALONG and 1 <= rows <= MOST_ALONG and columns * rows <= MOST_CELLS):
+        message = f"expected 1 to {MOST_ALONG} cells a side and at most {MOST_CELLS} in all, found {columns}x{rows}"
+        raise typer.BadParameter(message, param_hint="--grid")
+    parts = over.split(",")
+    if len(parts) != 2:
+        message = f"expected two parameters, found {len(parts)}; for example roll,height or roll=-1.5:1.5,height"
+        raise typer.BadParameter(message, param_hint="--over")
+    axes = [_wanted(part.strip(), cells) for part, cells in zip(parts, (columns, rows), strict=True)]
+    if axes[0].parameter == axes[1].parameter:
+        raise typer.BadParameter(f"{axes[0].parameter} is named twice; name two", param_hint="--over")
+    return axes
+
+
+def _wanted(part: str, cells: int) -> WantedAxis:
+    found = _AXIS.fullmatch(part)
+    if found is None:
+        raise typer.BadParameter(f"expected NAME or NAME=LOW:HIGH, found {part!r}", param_hint="--over")
+    name = found["name"].strip()
+    if found["low"] is None:
+        return WantedAxis(name, None, cells)
+    try:
+        low, high = float(found["low"]), float(found["high"])
+    except ValueError:
+        low = high = math.nan
+    if not (math.isfinite(low) and math.isfinite(high)):
+        message = f"expected two numbers, found {found['low']}:{found['high']}"
+        raise typer.BadParameter(message, param_hint="--over")
+    if low >= high:
+        message = f"the low end {low:g} of {name} is not below the high end {high:g}"
+        raise typer.BadParameter(message, param_hint="--over")
+    return WantedAxis(name, (low, high), cells)
+
+
+def make_map(
+    spec: Path,
+    axes: list[WantedAxis],
+    settings: tuple[str, ...],
+    *,
+    contact: str | None,
+    workers: int | None,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
+    program, source = sound(spec, settings)
+    if program.world.floats:
+        folder = _place(out, program.spec.name, source)
+        with reading(str(spec), source):
+            cells = _floating(program, axes, contact, folder)
+        seed = program.spec.trials.seed
+        made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
+        show_map(made, folder, as_json)
+        return 0
+    with reading(str(spec), source):
+        if contact is not None:
+            raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
+        whole = (*settings, *grid_settings(program, axes))
+        program = program_of(source, spec.name, whole)
+    with reading(str(out or RUNS)):
+        place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
+    return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)
+
+
+def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
+    """Finish the map in a folder and show it. Returns the exit code."""
+    folder = opened(path)
+    with reading(str(path)):
+        axes_of(program_of_run(folder).spec)
+    return finish_map(folder, workers, as_json)
+
+
+def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
+    """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
+    code = carried_on(folder, workers, "map")
+    if code == 0:
+        with reading(str(folder.path)):
+            made = map_of_run(folder)
+        show_map(made, folder.path, as_json)
+    return code
+
+
+def _place(out: Path | None, name: str, source: str) -> Path:
+    with reading(str(out or RUNS)):
+        folder = out or fresh_folder(RUNS, f"{name}-map")
+        prepare(folder, {SPEC: source})
+        return folder
+
+
+def _floating(program: Program, axes: list[WantedAxis], contact: str | None, folder: Path) -> Cells:
+    total = axes[0].cells * axes[1].cells
+    say(f"{program.spec.name}: {total} cells, seed {program.spec.trials.seed} → {folder}")
+    return floating_cells(
+        program, axes, contact, program.spec.trials.seed, lambda done: say(f"{done} of {total} cells")
+    )
+
+
+def show_map(made: AttractionMap, folder: Path, as_json: bool) -> None:
+    """Write the map's files, and what it says to stdout."""
+    numbers = {**as_data(made), "run": str(folder)}
+    with reading(str(folder)):
+        write_map(folder, made)
+    if as_json:
+        result_json(numbers)
+    else:
+        result(_text(numbers))
+
+
+def _text(numbers: dict[str, Any]) -> str:
+    head: list[RenderableType] = [Text(f"{numbers['name']}, seed {numbers['seed']}", style="bold")]
+    for name, axis in zip(("across", "up"), numbers["axes"], strict=True):
+        bounds = f"{axis['low']:g} to {axis['high']:g} {axis['unit']}, {axis['cells']} cells"
+        head.append(f"{name}: {axis['parameter']}, {bounds}")
+    head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in numbers['fixed'].items())}")
+    listed = table("Where starts end", "class", "cells", "share", "95 % interval")
+    for entry in numbers["classes"]:
+        low, high = entry["interval"]
+        row(listed, entry["label"], str(entry["count"]), percent(entry["share"]), f"{percent(low)} to {percent(high)}")
+    good, (low, high) = numbers["converged"], numbers["converged"]["interval"]
+    whole = "no start was feasible"
+    if numbers["feasible"]:
+        share = f"{percent(good['share'])} (95 % interval {percent(low)} to {percent(high)})"
+        whole = f"{good['count']} of {numbers['feasible']} feasible starts converged: {share}"
+    where = printable(numbers["run"])
+    foot: list[RenderableType] = [
+        "",
+        whole,
+        Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
+    ]
+    return text_of([*head, "", listed, *foot], f"  {printable(numbers['command'])}")

@@ -1,0 +1,163 @@
+"""A map of the domain of attraction: which starts end in which mode or outcome, as plain data."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from graspdsl.compiler.program import Program
+from graspdsl.report.statistics import modes, wilson
+from graspdsl.trials.cells import Axis, Cells
+from graspdsl.trials.grids import cells_of
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import SPEC, RunFolder
+
+
+@dataclass(frozen=True, slots=True)
+class CellClass:
+    """Cells that ended alike: in an outcome, and where that is convergence in a mode of orientation (``mode`` from 1,
+    ``centre`` [rad]). ``label``: what a legend calls it; ``cells``: by position."""
+
+    outcome: str
+    label: str
+    mode: int | None
+    centre: float | None
+    cells: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AttractionMap:
+    """A map with what it is a map of; ``command`` makes it again."""
+
+    name: str
+    world: str
+    seed: int
+    command: str
+    tick: str
+    cells: Cells
+    classes: tuple[CellClass, ...]
+
+
+def map_of_run(folder: RunFolder) -> AttractionMap:
+    """The map that a finished run on a grid is. Raises DiagnosticError when it is none, or cannot be read."""
+    program, manifest = program_of_run(folder), folder.manifest
+    cells = cells_of(program.spec, folder.records())
+    settings = [setting for setting in manifest.overrides if not setting.startswith(("trials.count=", "trials.grid="))]
+    command = repeating(folder.path / SPEC, cells, manifest.seed, settings)
+    return attraction_map(program, cells, manifest.seed, command)
+
+
+def attraction_map(program: Program, cells: Cells, seed: int, command: str) -> AttractionMap:
+    """The map of a program's cells; ``command`` makes it again."""
+    tick = "probes" if program.probes else "ticks"
+    return AttractionMap(program.spec.name, program.spec.scene.world, seed, command, tick, cells, classes_of(cells))
+
+
+def repeating(spec: Path, cells: Cells, seed: int, settings: Sequence[str]) -> str:
+    """The command that makes a map again, from this spec with these settings."""
+    words = ["graspdsl", "map", str(spec), "--over", f"{cells.x.said},{cells.y.said}"]
+    words += ["--grid", f"{cells.x.cells}x{cells.y.cells}", "--seed", str(seed)]
+    words += ["--contact", cells.fixed["contact"]] if "contact" in cells.fixed else []
+    words += [word for name in settings if not name.startswith("trials.seed=") for word in ("--set", name)]
+    return shlex.join(words)
+
+
+def classes_of(cells: Cells) -> tuple[CellClass, ...]:
+    """The classes of a map: converged cells by mode, the largest first; then other outcomes, infeasible starts last.
+
+    Modes are those of the end orientations of all converged cells; cells whose grasp has no orientation are one class.
+    """
+    outcomes = np.array(cells.outcomes)
+    good = np.flatnonzero(outcomes == Outcome.CONVERGED.value)
+    known = good[np.isfinite(cells.orientation[good])]
+    converged = Outcome.CONVERGED.value
+    found = []
+    for rank, mode in enumerate(modes(cells.orientation[known]), 1):
+        members = tuple(int(known[member]) for member in mode.members)
+        label = f"{converged}, {mode.centre:.2f} rad"
+        found.append(CellClass(converged, label, rank, mode.centre, tuple(sorted(members))))
+    unknown = tuple(int(cell) for cell in good if not math.isfinite(cells.orientation[cell]))
+    if unknown:
+        found.append(CellClass(converged, converged, None, None, unknown))
+    counts = Counter(cells.outcomes)
+    others = sorted(
+        (name for name in counts if name != converged),
+        key=lambda name: (name == Outcome.INFEASIBLE_START.value, -counts[name], name),
+    )
+    found += [CellClass(name, name, None, None, tuple(map(int, np.flatnonzero(outcomes == name)))) for name in others]
+    return tuple(found)
+
+
+def as_data(made: AttractionMap) -> dict[str, Any]:
+    """The map as plain data, for JSON.
+
+    ``grid``: the class of each cell by its place in ``classes``, rows along the second axis. Shares are of all cells,
+    with 95 % Wilson intervals as if starts had been drawn evenly over the map; ``converged`` is the share of those
+    cells that were feasible.
+    """
+    cells, count = made.cells, len(made.cells.outcomes)
+    place = np.zeros(count, dtype=int)
+    for index, found in enumerate(made.classes):
+        place[list(found.cells)] = index
+    infeasible = sum(outcome == Outcome.INFEASIBLE_START.value for outcome in cells.outcomes)
+    converged = sum(outcome == Outcome.CONVERGED.value for outcome in cells.outcomes)
+    feasible = count - infeasible
+    return {
+        "name": made.name,
+        "world": made.world,
+        "seed": made.seed,
+        "command": made.command,
+        "axes": [_axis(cells.x), _axis(cells.y)],
+        "fixed": dict(cells.fixed),
+        "marks": {name: list(where) for name, where in cells.marks.items()},
+        "cells": count,
+        "feasible": feasible,
+        "converged": {
+            "count": converged,
+            "share": converged / feasible if feasible else None,
+            "interval": wilson(converged, feasible),
+        },
+        "classes": [
+            {
+                "label": found.label,
+                "outcome": found.outcome,
+                "mode": found.mode,
+                "centre": found.centre,
+                "count": len(found.cells),
+                "share": len(found.cells) / count,
+                "interval": wilson(len(found.cells), count),
+            }
+            for found in made.classes
+        ],
+        "tick": made.tick,
+        "grid": _rows(place.tolist(), cells.x.cells),
+        "ticks": _rows([_known(value) for value in cells.ticks], cells.x.cells),
+        "orientation": _rows([_known(value) for value in cells.orientation], cells.x.cells),
+    }
+
+
+def _axis(axis: Axis) -> Mapping[str, Any]:
+    return {
+        "parameter": axis.parameter,
+        "unit": axis.unit,
+        "low": axis.low,
+        "high": axis.high,
+        "cells": axis.cells,
+        "middles": [float(middle) for middle in axis.middles],
+    }
+
+
+def _rows(values: list[Any], columns: int) -> list[list[Any]]:
+    return [values[first : first + columns] for first in range(0, len(values), columns)]
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,85 @@
+"""A comparison as files: its figures, its numbers, and one page that holds all of it."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+from matplotlib.figure import Figure
+
+from graspdsl.report.comparison import settings_of
+from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
+from graspdsl.report.comparison_tables import methods_of, tables_of
+from graspdsl.report.drawing import inline_svg, png_of, svg_of
+from graspdsl.report.evidence import gathered
+from graspdsl.report.palette import stylesheet
+from graspdsl.report.writing import prepare
+from graspdsl.trials.store import RunFolder
+
+LONGEST_LABEL = 70  # characters
+PAGE, NUMBERS = "compare.html", "compare.json"
+FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
+    "orientation": (
+        orientation_figure,
+        "Densities of the orientation of grasps at the end of each run's trials, over all that have one.",
+    ),
+    "residuals": (
+        residual_figure,
+        "Residuals since the controller took over: the mean over trials, and the band from their 10th to their 90th "
+        "percentile. A trial that has ended keeps its last residuals; a curve ends with its run's longest trial.",
+    ),
+    "convergence": (
+        convergence_figure,
+        "The share of each run's finished trials that have converged within so many ticks, or probes where contacts "
+        "are displaced by probing.",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnFigure:
+    """A figure for a page."""
+
+    svg: Markup
+    caption: str
+
+
+def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping[str, Any]) -> None:
+    """Write the figures, the numbers and the page of a comparison into an empty or new folder.
+
+    Raises DiagnosticError where it cannot, or when a run cannot be read.
+    """
+    sides = [Side(_label(number, folder), gathered(folder)) for number, folder in enumerate(folders, 1)]
+    files: dict[str, str | bytes] = {NUMBERS: json.dumps(numbers, indent=2, allow_nan=False) + "\n"}
+    drawn = []
+    for name, (draw, caption) in FIGURES.items():
+        figure = draw(sides)
+        files[f"{name}.svg"], files[f"{name}.png"] = svg_of(figure, name), png_of(figure)
+        drawn.append(DrawnFigure(Markup(inline_svg(svg_of(figure, name), name, str(escape(caption)))), caption))
+    files[PAGE] = page(numbers, drawn)
+    prepare(place, files)
+
+
+def _label(number: int, folder: RunFolder) -> str:
+    whole = ", ".join([f"{number}: {folder.manifest.name}", *settings_of(folder)])
+    return textwrap.shorten(whole, LONGEST_LABEL, placeholder=" …")
+
+
+def page(numbers: Mapping[str, Any], figures: Sequence[DrawnFigure]) -> str:
+    """The page of a comparison: one file that needs no other."""
+    environment = Environment(
+        loader=PackageLoader("graspdsl.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    return environment.get_template("compare.html").render(
+        runs=numbers["runs"],
+        tables=tables_of(numbers),
+        methods=methods_of(numbers),
+        figures=figures,
+        stylesheet=Markup(stylesheet()),
+    )

@@ -1,0 +1,184 @@
+"""The figure of a map: cells by class, and by how many ticks they took."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from graspdsl.arrays import Array
+from graspdsl.report.attraction import AttractionMap, CellClass
+from graspdsl.report.palette import LIGHT, series
+from graspdsl.report.statistics import wilson
+from graspdsl.trials.cells import Axis, Cells
+from graspdsl.trials.outcomes import Outcome
+
+SMALL, MEDIUM = 8.0, 8.8  # pt
+WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
+LINE = 0.16  # in, of a legend
+MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
+DOTS, STROKES = "......", "//////"
+NAMES = {"azimuth": "azimuth of {contact}", "polar": "polar angle of {contact} from the top"}
+STROKE = "#aab2bb"
+
+# What converged is in colour, what did not in grey: told apart with every kind of colour vision.
+GREYS = {
+    Outcome.LOCAL_MINIMUM: ("#c9ced4", ""),
+    Outcome.TIMEOUT: ("#c9ced4", DOTS),
+    Outcome.CONTACT_LOST: ("#8f98a2", ""),
+    Outcome.JOINT_LIMIT: ("#8f98a2", DOTS),
+    Outcome.PALM_COLLISION: ("#5a636d", ""),
+    Outcome.TOPPLED: ("#5a636d", DOTS),
+    Outcome.DIVERGED: ("#23292f", ""),
+    Outcome.CRASHED: ("#23292f", DOTS),
+    Outcome.INFEASIBLE_START: (LIGHT["ground"], STROKES),
+}
+
+
+def map_figure(made: AttractionMap) -> Figure:
+    """Which starts end where, and beside it how many ticks or probes those took that converged, if any did."""
+    cells, some = made.cells, bool(np.isfinite(made.cells.ticks).any())
+    count = 2 if some else 1
+    heading = textwrap.wrap(_heading(made), 68 * count)
+    height = SIDE + 0.9 + LINE * (len(made.classes) + 2 + len(heading))
+    figure = Figure((WIDTH * count, height), layout="constrained", facecolor=LIGHT["ground"])
+    figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"])
+    panels = list(figure.subplots(1, count, squeeze=False)[0])
+    for axes in panels:
+        _frame(axes, cells)
+    _classes(panels[0], made)
+    if some:
+        _ticks(figure, panels[1], made)
+    return figure
+
+
+def _heading(made: AttractionMap) -> str:
+    fixed = "; ".join(f"{name} {value}" for name, value in made.cells.fixed.items() if name != "contact")
+    return f"{made.name}, seed {made.seed}. Fixed: {fixed}." if fixed else f"{made.name}, seed {made.seed}."
+
+
+def axis_label(axis: Axis, cells: Cells) -> str:
+    """What an axis is of, with its unit."""
+    name = NAMES.get(axis.parameter, axis.parameter).format_map(cells.fixed)
+    return f"{name} ({axis.unit})"
+
+
+def style_of(found: CellClass) -> tuple[str, str]:
+    """The colour and the hatching of a class of cells."""
+    if found.outcome == Outcome.CONVERGED.value:
+        return LIGHT[series((found.mode or 1) - 1)], ""
+    return GREYS[Outcome(found.outcome)]
+
+
+def _frame(axes: Axes, cells: Cells) -> None:
+    axes.set_xlim(cells.x.low, cells.x.high)
+    axes.set_ylim(*((cells.y.high, cells.y.low) if cells.y.parameter == "polar" else (cells.y.low, cells.y.high)))
+    axes.set_box_aspect(1.0)
+    axes.set_xlabel(axis_label(cells.x, cells), fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.set_ylabel(axis_label(cells.y, cells), fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.spines[:].set(color=LIGHT["muted"], linewidth=0.7)
+    axes.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
+    for name, (x, y) in cells.marks.items():
+        axes.plot([x], [y], "+", color=LIGHT["ink"], markersize=9, markeredgewidth=2.6, zorder=5)
+        axes.plot([x], [y], "+", color=LIGHT["ground"], markersize=8, markeredgewidth=1.2, zorder=6)
+        axes.annotate(
+            name,
+            (x, y),
+            (4, 4),
+            textcoords="offset points",
+            color=LIGHT["ink"],
+            fontsize=SMALL,
+            annotation_clip=True,
+            parse_math=False,
+            zorder=6,
+            bbox={"boxstyle": "round,pad=0.15", "facecolor": LIGHT["ground"], "edgecolor": "none", "alpha": 0.8},
+        )
+
+
+def _classes(axes: Axes, made: AttractionMap) -> None:
+    cells, total = made.cells, len(made.cells.outcomes)
+    place = np.zeros(total)
+    for index, found in enumerate(made.classes):
+        place[list(found.cells)] = index
+    styles = [style_of(found) for found in made.classes]
+    axes.pcolormesh(
+        *_edges(cells),
+        place.reshape(cells.y.cells, cells.x.cells),
+        cmap=ListedColormap([colour for colour, _ in styles]),
+        vmin=-0.5,
+        vmax=len(styles) - 0.5,
+        rasterized=total > MOST_PATHS,
+    )
+    for found, (_, hatch) in zip(made.classes, styles, strict=True):
+        if hatch:
+            shapes = PolyCollection(
+                _corners(cells, found.cells),
+                facecolors="none",
+                edgecolors=STROKE if hatch == STROKES else LIGHT["muted"],
+                linewidths=0.0,
+                hatch=hatch,
+                rasterized=total > MOST_PATHS,
+            )
+            axes.add_collection(shapes)
+    handles = [
+        Patch(facecolor=colour, hatch=hatch, edgecolor=STROKE, linewidth=0.6, label=_entry(found, total))
+        for found, (colour, hatch) in zip(made.classes, styles, strict=True)
+    ]
+    axes.set_title("where each start ends", loc="left", fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.legend(
+        handles=handles,
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.17),
+        frameon=False,
+        fontsize=SMALL,
+        labelcolor=LIGHT["ink"],
+        borderaxespad=0.0,
+        borderpad=0.0,
+        handlelength=1.4,
+        title="share of cells (95 % interval)",
+        title_fontsize=SMALL,
+        alignment="left",
+    )
+
+
+def _entry(found: CellClass, total: int) -> str:
+    low, high = wilson(len(found.cells), total)
+    share = 100 * len(found.cells) / total
+    cells = "1 cell" if len(found.cells) == 1 else f"{len(found.cells)} cells"
+    return f"{found.label}: {cells}, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
+
+
+def _ticks(figure: Figure, axes: Axes, made: AttractionMap) -> None:
+    cells = made.cells
+    axes.set_facecolor(LIGHT["faint"])
+    mesh = axes.pcolormesh(
+        *_edges(cells),
+        np.ma.masked_invalid(cells.ticks.reshape(cells.y.cells, cells.x.cells)),
+        cmap="cividis",
+        rasterized=len(cells.ticks) > MOST_PATHS,
+    )
+    bar = figure.colorbar(mesh, ax=axes, shrink=0.8)
+    bar.outline.set_linewidth(0.0)
+    bar.ax.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
+    axes.set_title(f"{made.tick} to converge", loc="left", fontsize=MEDIUM, color=LIGHT["ink"])
+
+
+def _edges(cells: Cells) -> tuple[Array, Array]:
+    across, up = (np.linspace(axis.low, axis.high, axis.cells + 1) for axis in (cells.x, cells.y))
+    return across, up
+
+
+def _corners(cells: Cells, chosen: Sequence[int]) -> list[Array]:
+    across, up = _edges(cells)
+    shapes = []
+    for cell in chosen:
+        row, column = divmod(cell, cells.x.cells)
+        left, right, low, high = across[column], across[column + 1], up[row], up[row + 1]
+        shapes.append(np.array([[left, low], [right, low], [right, high], [left, high]]))
+    return shapes
