@@ -12,6 +12,7 @@ from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 SMOOTH_ONLY = {"ellipsoid": Ellipsoid, "superquadric": Superquadric, "bottle": Bottle}
 
 
@@ -47,6 +48,7 @@ class _Check:
         self._without_effect()
         self._shape()
         self._hand()
+        self._evaluation()
         self._centre_of_mass()
         sensing: Path = ("scene", "sensing")
         if self._world.floats and _value(self._document, sensing) == "load-cell":
@@ -67,10 +69,10 @@ class _Check:
             if name in names:
                 where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
                 self._warn(f"{name} has no effect: {where}", (*start, name))
-        if self._world.floats and _value(self._document, ("scene", "friction")) is not None:
-            self._warn("friction has no effect: floating contacts have none", ("scene", "friction"))
-        if _value(self._document, ("evaluate",)):
-            self._warn("evaluate has no effect in this version", ("evaluate",))
+        friction: Path = ("scene", "friction")
+        judged = set(self._grades()) & WRENCH_GRADES
+        if self._world.floats and _value(self._document, friction) is not None and not judged:
+            self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
         self._complaints.about(path)
@@ -100,6 +102,25 @@ class _Check:
         if hand is not None and not hand.urdf and not self._world.floats:
             message = f"the hand {hand.hand} is bare contacts without a model"
             self._error("hand-not-in-world", message, path, "use it in the floating world, or another hand here")
+
+    def _grades(self) -> list[object]:
+        given = _value(self._document, ("evaluate",))
+        return given if isinstance(given, list) else []
+
+    def _evaluation(self) -> None:
+        """A hand lifts and shakes an object that is free."""
+        thing = _value(self._document, ("scene", "object"))
+        anchors = [name for name in ("held", "fixed") if isinstance(thing, dict) and thing.get(name) is True]
+        if self._world.floats:
+            why = "floating contacts have no hand and their object no weight"
+        elif anchors:
+            why = f"the object is {anchors[0]}"
+        else:
+            return
+        for place, grade in enumerate(self._grades()):
+            if grade in HANDLING_GRADES:
+                hint = "leave it out, or use a free object in the bullet world"
+                self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from graspdsl.report.quality import quality
 from graspdsl.report.statistics import bandwidth, modes, wilson
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.spec.models import Spec
@@ -78,7 +79,7 @@ def summary(folder: RunFolder) -> dict[str, Any]:
             "largest_leak": _largest(record.largest_leak for record in records),
             "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
         },
-        "quality": {},
+        "quality": quality(records),
         "redraws": sum(record.redraws for record in records),
         "wall_s": manifest.wall_s,
         "world_s": sum(record.world_s for record in records),

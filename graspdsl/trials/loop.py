@@ -12,6 +12,7 @@ import numpy as np
 from graspdsl.compiler.program import CheckedPhase, Program
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.program import Phase
+from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors
 from graspdsl.trials.outcomes import Outcome, Verdict
@@ -44,17 +45,20 @@ class TrialLoop:
     def __init__(self, program: Program, world: WitnessedWorld, body: Body) -> None:
         self._program, self._world, self._body = program, world, body
         self._pipelines = program.pipelines()
+        self._evaluation = Evaluation(program.spec.evaluate, program.spec.scene.friction)
 
     def run(self, number: int, seed: int) -> Trial:
         """Run one trial. What goes wrong in the world is its outcome, not an exception."""
         began = time.perf_counter()
         random = generator(seed, number)
         start, redraws, log = None, 0, Logbook(np.zeros(3))
+        quality = self._evaluation.of_nothing()
         try:
             start, redraws, observation = self._begin(random)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
+            quality = self._evaluation.of(self._world, self._program.phases[-1].grasp.contacts)
         except WorldCrashError as error:
             verdict = Verdict(Outcome.CRASHED, str(error))
         except InfeasibleStartError as error:
@@ -86,6 +90,7 @@ class TrialLoop:
             samples=log.samples,
             world_s=log.world_s,
             wall_s=time.perf_counter() - began,
+            quality=quality,
         )
         return Trial(record, log.trajectory())
 

@@ -21,6 +21,7 @@ def spec(
     until: str = "contact: all",
     control: str = "",
     start: str = "",
+    evaluate: str = "",
 ) -> str:
     """The text of a spec without a fault, but for what is given."""
     lines = ["graspdsl: 1", "name: test", f"scene: {{{scene}}}", "resources:"]
@@ -32,6 +33,7 @@ def spec(
     for formula in formulas or ("π_s|Γ Γ (π_gx|Γ Γ)",):
         lines += [f"  - run: {formula}", f"    until: {{{until}}}"]
     lines += [f"trials: {{start: {{{start}}}}}"] if start else []
+    lines += [f"evaluate: [{evaluate}]"] if evaluate else []
     return "\n".join(lines) + "\n"
 
 
