@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -20,8 +20,12 @@ Numbers = dict[str, Any]
 
 def summary_text(numbers: Numbers) -> str:
     """The summary of a run, laid out for the terminal that stdout is."""
-    tables = [part for made in (_outcomes, _modes, _measures) for part in ("", made(numbers))]
+    tables = [part for made in _tables(numbers) for part in ("", made(numbers))]
     return text_of([*_head(numbers), *tables, *_foot(numbers)], f"  {printable(numbers['command'])}")
+
+
+def _tables(numbers: Numbers) -> list[Callable[[Numbers], Table]]:
+    return [_outcomes, _modes, _measures, *([_quality] if numbers["quality"] else [])]
 
 
 def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
@@ -122,6 +126,31 @@ def _measures(numbers: Numbers) -> Table:
     row(listed, "largest leak of a lower priority", "", _exponent(numbers["priorities"]["largest_leak"]))
     listed.caption, listed.caption_justify = "* of converged trials", "left"
     return listed
+
+
+def _quality(numbers: Numbers) -> Table:
+    """The grades that were asked for, then by outcome."""
+    grades = numbers["quality"]
+    shares = {"force closure": "force_closure", "kept when lifted": "lift", "kept when shaken": "shake"}
+    asked = {title: name for title, name in shares.items() if name in grades}
+    listed = table("How good the grasps are, by outcome", "", *asked)
+    for outcome, counts in grades["confusion"]["outcomes"].items():
+        row(listed, outcome, *(f"{counts[name]} of {counts['trials']}" for name in asked.values()))
+    said = [f"{percent(grades[name]['share'])}{_within(grades[name]['interval'])}" for name in asked.values()]
+    row(listed, "all, 95 % interval", *said)
+    if "ferrari_canny" in grades:
+        epsilon, volume = (grades["ferrari_canny"][name]["median"] for name in ("epsilon", "volume"))
+        listed.caption = f"Ferrari-Canny, medians: ε {_significant(epsilon)}, volume {_significant(volume)}"
+        listed.caption_justify = "left"
+    return listed
+
+
+def _significant(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2g}"
+
+
+def _within(interval: tuple[float, float]) -> str:
+    return f" ({percent(interval[0])} to {percent(interval[1])})"
 
 
 def _foot(numbers: Numbers) -> list[RenderableType]:

@@ -13,6 +13,7 @@ from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
+WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = ("box", "compound", "mesh", "urdf")
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
@@ -52,6 +53,7 @@ class _Check:
         self._without_effect()
         self._shape()
         self._hand()
+        self._evaluation()
         self._centre_of_mass()
         self._sensing()
         approach: Path = ("trials", "start", "approach")
@@ -77,10 +79,10 @@ class _Check:
             if mapped in idle:
                 where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
                 self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
-        if self._world.floats and _value(self._document, ("scene", "friction")) is not None:
-            self._warn("friction has no effect: floating contacts have none", ("scene", "friction"))
-        if _value(self._document, ("evaluate",)):
-            self._warn("evaluate has no effect in this version", ("evaluate",))
+        friction: Path = ("scene", "friction")
+        judged = set(self._grades()) & WRENCH_GRADES
+        if self._world.floats and _value(self._document, friction) is not None and not judged:
+            self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
         self._complaints.about(path)
@@ -115,6 +117,25 @@ class _Check:
         for name, felt in FELT_BY_HANDS.items():
             if self._world.floats and name in names:
                 self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
+
+    def _grades(self) -> list[object]:
+        given = _value(self._document, ("evaluate",))
+        return given if isinstance(given, list) else []
+
+    def _evaluation(self) -> None:
+        """A hand lifts and shakes an object that is free."""
+        thing = _value(self._document, ("scene", "object"))
+        anchors = [name for name in ("held", "fixed") if isinstance(thing, dict) and thing.get(name) is True]
+        if self._world.floats:
+            why = "floating contacts have no hand and their object no weight"
+        elif anchors:
+            why = f"the object is {anchors[0]}"
+        else:
+            return
+        for place, grade in enumerate(self._grades()):
+            if grade in HANDLING_GRADES:
+                hint = "leave it out, or use a free object in the bullet world"
+                self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.outcomes import outcome_table
+from graspdsl.report.quality import quality
 from graspdsl.report.statistics import bandwidth, modes, wilson
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
@@ -89,7 +90,7 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
             "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
             "levels": max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
         },
-        "quality": {},
+        "quality": quality(records),
         "redraws": sum(record.redraws for record in records),
         "wall_s": manifest.wall_s,
         "world_s": sum(record.world_s for record in records),

@@ -12,6 +12,7 @@ import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
 from graspdsl.objects.shapes import Body
+from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors, window_of
 from graspdsl.trials.outcomes import Outcome, Verdict
@@ -57,17 +58,20 @@ class TrialLoop:
         self._program, self._world, self._body = program, world, body
         self._most_draws = most_draws
         self._pipelines = program.pipelines()
+        self._evaluation = Evaluation(program.spec.evaluate, program.spec.scene.friction, program.robot)
 
     def run(self, number: int, seed: int) -> Trial:
         """Run one trial. What goes wrong in the world is its outcome, not an exception."""
         began = time.perf_counter()
         random = generator(seed, number)
         start, redraws, log = None, 0, Logbook(np.zeros(3))
+        quality = self._evaluation.of_nothing()
         try:
             start, redraws, observation = self._begin(number, random)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
+            quality = self._evaluation.of(self._world, self._program.phases[-1].grasp.contacts)
         except WorldCrashError as error:
             verdict = Verdict(Outcome.CRASHED, str(error))
         except NoFeasibleStartError as error:
@@ -102,6 +106,7 @@ class TrialLoop:
             world_s=log.world_s,
             wall_s=time.perf_counter() - began,
             tare_s=self._world.info.tare_s,
+            quality=quality,
         )
         return Trial(record, log.trajectory())
 

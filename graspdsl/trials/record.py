@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from graspdsl.arrays import Float32Array
 from graspdsl.trials.outcomes import Outcome
@@ -20,6 +21,7 @@ class TrialRecord:
     ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where contacts
     are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a
     tick, or one a probe. ``tare_s`` is the time taken to tare the sensors, which ``world_s`` does not include.
+    ``quality`` holds the grades of the final grasp that the spec asks for, by their names.
     """
 
     number: int
@@ -47,6 +49,7 @@ class TrialRecord:
     world_s: float
     wall_s: float
     tare_s: float = 0.0
+    quality: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for the store."""

@@ -28,6 +28,7 @@ from graspdsl.trials.record import Trial, TrialRecord
 MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
 FILES = "files"  # copies of those that the spec names
 _FIELDS = tuple(field.name for field in dataclasses.fields(TrialRecord))
+_MAPPINGS = ("start", "quality")
 _PAIRS = ("contact_forces", "point_error", "normal_error")
 
 
@@ -211,4 +212,6 @@ def _record(row: dict[str, Any]) -> TrialRecord:
     for name, kind in TrialRecord.__annotations__.items():
         if kind == "float" and row[name] is None:
             row[name] = math.nan
-    return TrialRecord(**{**row, "outcome": Outcome(row["outcome"]), "start": json.loads(row["start"])})
+    return TrialRecord(
+        **{**row, "outcome": Outcome(row["outcome"]), **{name: json.loads(row[name]) for name in _MAPPINGS}}
+    )

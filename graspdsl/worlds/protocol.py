@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from graspdsl.arrays import Array, Flags
 
@@ -112,6 +112,16 @@ class Start:
     posture: Mapping[str, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class Palm:
+    """The palm of a hand: position (3,) [m] of a point fixed in it, rotation (3, 3), and its Jacobian (6, n), linear
+    then angular, of all actuated joints; world frame."""
+
+    position: Array
+    rotation: Array
+    jacobian: Array
+
+
 class Witness(Protocol):
     """The truth behind a world; controllers never see it."""
 
@@ -139,4 +149,13 @@ class World(Protocol):
 
     def close(self) -> None:
         """Give back what the world holds; it can be reset again afterwards."""
+        ...
+
+
+@runtime_checkable
+class PalmWorld(World, Witness, Protocol):
+    """A world with a hand whose palm can be led about, to test a grasp."""
+
+    def palm(self) -> Palm:
+        """Where the palm is and how joints move it."""
         ...

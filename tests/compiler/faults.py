@@ -98,6 +98,12 @@ WORLDS = (
         "a cylinder with edges larger than itself",
         scene="object: {cylinder: {diameter: 0.1, height: 0.2, edge: 0.4}}",
     ),
+    _floating("a lift and a shake in the floating world", evaluate="force-closure, lift, shake"),
+    Case(
+        "a held object to be shaken",
+        spec(scene="world: bullet, object: {like: towel-roll, held: true}", evaluate="force-closure, shake"),
+    ),
+    _floating("friction in the floating world", scene="object: ball, friction: 0.5"),
     _floating("a start of a hand in the floating world", start="roll: 0.3"),
     _floating(
         "monitors in the floating world", monitors="palm: stop, lost: on, lean: off, dragged: 0.01, progress: off"

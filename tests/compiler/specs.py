@@ -22,6 +22,7 @@ def spec(
     control: str = "",
     start: str = "",
     monitors: str = "",
+    evaluate: str = "",
 ) -> str:
     """The text of a spec without a fault, but for what is given."""
     lines = ["graspdsl: 1", "name: test", f"scene: {{{scene}}}", "resources:"]
@@ -34,6 +35,7 @@ def spec(
         lines += [f"  - run: {formula}", f"    until: {{{until}}}"]
     lines += [f"trials: {{start: {{{start}}}}}"] if start else []
     lines += [f"monitors: {{{monitors}}}"] if monitors else []
+    lines += [f"evaluate: [{evaluate}]"] if evaluate else []
     return "\n".join(lines) + "\n"
 
 

@@ -41,6 +41,7 @@ RECORD = TrialRecord(
     normal_error=(0.1, 0.2),
     world_s=20.0,
     wall_s=0.7,
+    quality={"force-closure": {"closed": True, "margin": 1 / 3, "reason": ""}, "lift": {"kept": False, "moved": None}},
 )
 TRIAL = Trial(RECORD, {"time": np.arange(4, dtype=np.float32), "points": np.ones((4, 3, 3), dtype=np.float32)})
 

@@ -13,6 +13,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.worlds.bullet.assembly import assembled_urdf
+from graspdsl.worlds.protocol import Palm
 
 TIP_STIFFNESS = 1500.0  # N/m: soft fingertips, about a third of a millimetre at 0.5 N
 TIP_DAMPING = 30.0  # N·s/m
@@ -209,3 +210,13 @@ class BulletHand:
         both = self._engine.calculateJacobian(self.body, link, local.tolist(), all_joints, zeros, zeros, self._client)
         linear, angular = (self._base_rotation @ np.array(part) @ self.coupling for part in both)
         return linear, angular
+
+    def palm(self) -> Palm:
+        """The palm at its centre of mass, where the engine gives Jacobians without a lever."""
+        link = self.link_index[self.robot.hand.palm]
+        state = self._engine.getLinkState(self.body, link, computeForwardKinematics=True, physicsClientId=self._client)
+        joints = self.all_joints()
+        zeros = [0.0] * len(joints)
+        both = self._engine.calculateJacobian(self.body, link, [0.0, 0.0, 0.0], joints, zeros, zeros, self._client)
+        jacobian = np.vstack([self._base_rotation @ np.array(part) @ self.coupling for part in both])
+        return Palm(np.array(state[0]), rotation_matrix(state[5]), jacobian)

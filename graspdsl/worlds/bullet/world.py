@@ -23,6 +23,7 @@ from graspdsl.worlds.protocol import (
     Command,
     InfeasibleStartError,
     Observation,
+    Palm,
     Start,
     Truth,
     WorldCrashError,
@@ -212,6 +213,10 @@ class BulletWorld:
             centre_of_mass=self._scene.object_pose()[0] if held else unknown,
             weight=np.array([0.0, 0.0, -self._scene.mass * self.settings.gravity]) if held else unknown,
         )
+
+    def palm(self) -> Palm:
+        """Where the palm is and how joints move it."""
+        return self.hand.palm()
 
     def truth(self) -> Truth:
         """The simulator's own account of the present tick."""

@@ -1,0 +1,55 @@
+"""Ferrari and Canny's measures of a grasp: the largest wrench it resists whatever its direction, and the volume.
+
+C. Ferrari and J. Canny, "Planning optimal grasps", 1992, with their L1 criterion: the normal forces of all contacts sum
+to one, so the wrenches are the convex hull of all primitive wrenches together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from graspdsl.quality.force_closure import force_closure
+from graspdsl.quality.metric import NO_CONTACTS, Metric
+from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
+
+
+@dataclass(frozen=True, slots=True)
+class FerrariCanny:
+    """epsilon (1): the radius of the largest ball about the origin within the hull; volume (1) of the hull, both of
+    scaled wrenches. Zero, with a reason, where the hull is flat or does not hold the origin."""
+
+    epsilon: Metric
+    volume: Metric
+
+
+def ferrari_canny(space: WrenchSpace) -> FerrariCanny:
+    """Epsilon and volume of the convex hull of the primitive wrenches (L1).
+
+    The hull is computed in principal coordinates of equal spread, so that flat hulls lose no digits, and its facets
+    are carried back: n·y ≤ b there is (V S⁻¹ n)·w ≤ b here.
+    """
+    if len(space.wrenches) == 0:
+        return _both(None, NO_CONTACTS)
+    closure = force_closure(space)
+    if space.rank < DIMENSIONS:
+        return _both(0.0, closure.reason)
+    count = len(space.wrenches)
+    left, values, right = space.decomposition
+    try:
+        hull = ConvexHull(np.sqrt(count) * left)
+    except QhullError:
+        flat = "the hull of the wrenches is flat"
+        return FerrariCanny(Metric(0.0, closure.reason or flat), Metric(0.0, flat))
+    spreads = values / np.sqrt(count)
+    volume = Metric(float(hull.volume * spreads.prod()))
+    if not closure.closed:
+        return FerrariCanny(Metric(0.0, closure.reason), volume)
+    normals = (hull.equations[:, :-1] / spreads) @ right
+    return FerrariCanny(Metric(float((-hull.equations[:, -1] / np.linalg.norm(normals, axis=1)).min())), volume)
+
+
+def _both(value: float | None, reason: str) -> FerrariCanny:
+    return FerrariCanny(Metric(value, reason), Metric(value, reason))

@@ -1,0 +1,80 @@
+"""Force closure: whether contact forces can balance any wrench, by linear programming."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+
+from graspdsl.arrays import Array
+from graspdsl.quality.metric import NO_CONTACTS
+from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
+
+MARGIN_TOLERANCE = 1e-6  # ten times that of the solver
+
+
+@dataclass(frozen=True, slots=True)
+class ForceClosure:
+    """Whether a grasp is closed, by how much, and if not why.
+
+    margin: the largest share t of an even spread of weights that every primitive wrench can have in a balance
+    Σ λᵢ wᵢ = 0, Σ λᵢ = 1, λᵢ ≥ t/m: above 0 for closure, 1 for even weights, None where there is no balance at all or
+    the wrenches do not span the space.
+    """
+
+    closed: bool
+    margin: float | None
+    reason: str = ""
+
+
+def force_closure(space: WrenchSpace) -> ForceClosure:
+    """Whether the origin lies strictly inside the convex hull of the primitive wrenches.
+
+    It does if and only if they span all six dimensions and balance with weights that are all positive. The program
+    runs in the principal coordinates of the wrenches, where each has the same spread.
+    """
+    count = len(space.wrenches)
+    if count == 0:
+        return ForceClosure(False, None, NO_CONTACTS)
+    if _in_half_space(space.wrenches[:, :3]):
+        return ForceClosure(False, None, "all forces in one half space")
+    if space.rank < DIMENSIONS:
+        return ForceClosure(False, None, f"wrenches span {space.rank} of {DIMENSIONS} dimensions")
+    coordinates = np.sqrt(count) * space.decomposition[0]
+    margin = _evenest_balance(coordinates)
+    if margin is None or margin < -MARGIN_TOLERANCE:
+        return ForceClosure(False, margin, "all wrenches in one half space")
+    if margin <= MARGIN_TOLERANCE:
+        return ForceClosure(False, margin, "no wrench to spare: the origin is on the boundary of the hull")
+    return ForceClosure(True, margin)
+
+
+def _in_half_space(vectors: Array) -> bool:
+    """Whether some direction d has d·v > 0 for all vectors (m, n): maximise s with d·v ≥ s, |dᵢ| ≤ 1."""
+    count, size = vectors.shape
+    answer = linprog(
+        np.append(np.zeros(size), -1.0),
+        A_ub=np.column_stack([-vectors, np.ones(count)]),
+        b_ub=np.zeros(count),
+        bounds=[(-1.0, 1.0)] * size + [(None, None)],
+        method="highs",
+    )
+    return answer.x is not None and bool(answer.x[-1] > MARGIN_TOLERANCE)
+
+
+def _evenest_balance(vectors: Array) -> float | None:
+    """The largest t with Σ λᵢ vᵢ = 0, Σ λᵢ = 1, λᵢ ≥ t/m for vectors (m, n); None where no weights sum to zero.
+
+    With λᵢ = (sᵢ + t)/m it is a program in sᵢ ≥ 0 and t.
+    """
+    count = len(vectors)
+    homogeneous = np.column_stack([vectors, np.ones(count)]).T
+    answer = linprog(
+        np.append(np.zeros(count), -1.0),
+        A_eq=np.column_stack([homogeneous, homogeneous.sum(axis=1)]),
+        b_eq=np.append(np.zeros(vectors.shape[1]), count),
+        bounds=[(0.0, None)] * count + [(None, None)],
+        method="highs",
+    )
+    return None if answer.x is None else float(answer.x[-1])
