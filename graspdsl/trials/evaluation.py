@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ class Evaluation:
     grades: Sequence[str]
     friction: float
     robot: Robot
-    handling: Handling = Handling()
+    handling: Handling = field(default_factory=Handling)
 
     def of(self, world: WitnessedWorld, contacts: Sequence[int]) -> Quality:
         """The grades of the grasp that a world is in, by its truth, of those of the contacts that touch.

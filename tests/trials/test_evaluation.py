@@ -50,7 +50,7 @@ def test_grades_are_plain_data() -> None:
     assert json.loads(json.dumps(grades, allow_nan=False)) == grades
 
 
-@pytest.mark.parametrize(("spec", "grades"), [(FLOATING, THEORY)])
+@pytest.mark.parametrize(("spec", "grades"), [(FLOATING, THEORY), (MAIN, "evaluate=[lift, shake]")])
 def test_grading_changes_nothing_else(spec: str, grades: str) -> None:
     plain, graded = run(spec), run(spec, grades)
     assert ungraded(plain) == ungraded(graded)

@@ -174,14 +174,19 @@ class BulletWorld:
         """
         now = self.hand.actuated(self.hand.all_joints())
         wanted = np.clip(self._target + displacement, now - MOST_AHEAD, now + MOST_AHEAD)
-        self._target = np.clip(wanted, self.info.lower, self.info.upper)
+        before, self._target = self._target, np.clip(wanted, self.info.lower, self.info.upper)
         self._stopped |= wanted != self._target
-        self.hand.drive(self._target)
-        self._simulate()
+        self._simulate(before)
         self._ticks += 1
 
-    def _simulate(self) -> None:
-        for _ in range(PHYSICS_STEPS):
+    def _simulate(self, before: Array | None = None) -> None:
+        """One tick of physics, the motors' targets led from those ``before`` (n,) to the present ones.
+
+        Targets that jump once a tick would shake an object loose in the hand.
+        """
+        for step in range(1, PHYSICS_STEPS + 1):
+            if before is not None:
+                self.hand.drive(before + (self._target - before) * (step / PHYSICS_STEPS))
             self._engine.stepSimulation(self._client)
             self._tips.advance()
 
