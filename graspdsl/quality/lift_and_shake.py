@@ -52,9 +52,8 @@ class Held:
     """Whether a grasp kept its object through a part of the test, and if not why.
 
     displacement [m]: the largest, in the palm's frame, of the object's part between the contacts, None without a test;
-    contacts: fingertips
-    that touch at the end; lost_at [s]: when it had moved too far, from the beginning of the part, None if it never had;
-    squeeze [N]: at the end of the ramp.
+    contacts: fingertips that touch at the end; lost_at [s]: when it had moved too far, from the beginning of the part,
+    None if it never had; squeeze [N]: at the end of the ramp.
     """
 
     kept: bool
@@ -148,7 +147,7 @@ class _Test:
         """Where the part of the object that was between the contacts is in the palm's frame (3,) [m]."""
         palm, truth = self._world.palm(), self._world.truth()
         held = truth.object_position + truth.object_rotation @ self._between
-        return palm.rotation.T @ (held - palm.position)
+        return np.asarray(palm.rotation.T @ (held - palm.position))
 
     def _ticks(self, duration: float) -> int:
         return round(duration * self._world.info.rate)

@@ -83,7 +83,7 @@ ENDINGS = (
         "palm touched the table",
         SLIDE,
         ("parameters.x_ref=[0.0, -0.05, -0.05, 0.0, 0.05, -0.05]",),
-        (("monitors.table=off", Outcome.CONVERGED),),
+        (("monitors.table=off", Outcome.CONTACT_LOST),),
     ),
     Ending(
         "the hand withdraws",
