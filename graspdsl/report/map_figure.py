@@ -23,7 +23,7 @@ SMALL, MEDIUM = 8.0, 8.8  # pt
 WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
 LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
-DOTS, STROKES = "......", "//////"
+DOTS, LEVEL, STROKES = "......", "------", "//////"
 NAMES = {"azimuth": "azimuth of {contact}", "polar": "polar angle of {contact} from the top"}
 STROKE = "#aab2bb"
 
@@ -31,9 +31,12 @@ STROKE = "#aab2bb"
 GREYS = {
     Outcome.LOCAL_MINIMUM: ("#c9ced4", ""),
     Outcome.TIMEOUT: ("#c9ced4", DOTS),
+    Outcome.DRAGGED: ("#c9ced4", LEVEL),
     Outcome.CONTACT_LOST: ("#8f98a2", ""),
     Outcome.JOINT_LIMIT: ("#8f98a2", DOTS),
+    Outcome.TABLE_CONTACT: ("#8f98a2", LEVEL),
     Outcome.PALM_COLLISION: ("#5a636d", ""),
+    Outcome.LINK_COLLISION: ("#5a636d", LEVEL),
     Outcome.TOPPLED: ("#5a636d", DOTS),
     Outcome.DIVERGED: ("#23292f", ""),
     Outcome.CRASHED: ("#23292f", DOTS),
