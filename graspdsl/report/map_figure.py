@@ -51,7 +51,7 @@ def map_figure(made: AttractionMap) -> Figure:
     heading = textwrap.wrap(_heading(made), 68 * count)
     height = SIDE + 0.9 + LINE * (len(made.classes) + 2 + len(heading))
     figure = Figure((WIDTH * count, height), layout="constrained", facecolor=LIGHT["ground"])
-    figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"])
+    figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"], parse_math=False)
     panels = list(figure.subplots(1, count, squeeze=False)[0])
     for axes in panels:
         _frame(axes, cells)
@@ -83,8 +83,8 @@ def _frame(axes: Axes, cells: Cells) -> None:
     axes.set_xlim(cells.x.low, cells.x.high)
     axes.set_ylim(*((cells.y.high, cells.y.low) if cells.y.parameter == "polar" else (cells.y.low, cells.y.high)))
     axes.set_box_aspect(1.0)
-    axes.set_xlabel(axis_label(cells.x, cells), fontsize=MEDIUM, color=LIGHT["ink"])
-    axes.set_ylabel(axis_label(cells.y, cells), fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.set_xlabel(axis_label(cells.x, cells), fontsize=MEDIUM, color=LIGHT["ink"], parse_math=False)
+    axes.set_ylabel(axis_label(cells.y, cells), fontsize=MEDIUM, color=LIGHT["ink"], parse_math=False)
     axes.spines[:].set(color=LIGHT["muted"], linewidth=0.7)
     axes.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
     for name, (x, y) in cells.marks.items():
