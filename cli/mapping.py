@@ -14,10 +14,11 @@ from rich.text import Text
 from graspdsl.cli.inputs import reading, sound
 from graspdsl.cli.messages import printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
-from graspdsl.cli.tables import percent, row, table, text_of
+from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
 from graspdsl.report.map_files import FILES, write_map
+from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 from graspdsl.cli.inputs import InputError, reading
-from graspdsl.cli.messages import INTERRUPTED, result, result_json, say
+from graspdsl.cli.messages import INTERRUPTED, complain, result, result_json, say
 from graspdsl.cli.progress import Progress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic
-from graspdsl.report.summary import summary
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
+from graspdsl.report.evidence import gathered
+from graspdsl.report.summary import numbers_of
 from graspdsl.spec.files import read_text
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
@@ -78,13 +80,21 @@ def carried_on(folder: RunFolder, workers: int | None, command: str) -> int:
 
 
 def show(folder: RunFolder, as_json: bool) -> None:
-    """The summary of a run, on stdout."""
+    """The summary of a run, on stdout, and its page in its folder; where there can be none, a warning."""
     with reading(str(folder.path)):
-        numbers = summary(folder)
+        evidence = gathered(folder)
+    numbers = numbers_of(evidence)
     if as_json:
         result_json(numbers)
     else:
         result(summary_text(numbers))
+    from graspdsl.report.page import write_report
+
+    try:
+        say(f"report: {write_report(evidence)}")
+    except DiagnosticError as error:
+        told = [replace(diagnostic, severity=Severity.WARNING) for diagnostic in error.diagnostics]
+        complain(str(folder.path), "", told)
 
 
 def _kept(folder: RunFolder, command: str) -> str:

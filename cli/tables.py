@@ -14,6 +14,7 @@ from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
 from graspdsl.report.statistics import wilson
+from graspdsl.report.wording import conditions, millimetres, number, percent
 
 Numbers = dict[str, Any]
 
@@ -50,19 +51,7 @@ def _head(numbers: Numbers) -> list[RenderableType]:
             f"{numbers['outcomes'].get('converged', 0)} of {finished} trials converged: "
             f"{percent(numbers['converged']['share'])} (95 % interval {percent(low)} to {percent(high)})"
         )
-    return [*head, f"Converged: {_conditions(numbers['converged']['means'])}."]
-
-
-def _conditions(means: Numbers) -> str:
-    said = []
-    if means["force_residual"] is not None:
-        said.append(f"‖ρ_f‖ < {means['force_residual']:g}")
-    if means["moment_residual"] is not None:
-        said.append(f"‖ρ_m‖ < {1000 * means['moment_residual']:g} mm")
-    if means["force_error"] is not None:
-        said.append(f"forces ± {means['force_error']:g} N")
-    said.append("all touching")
-    return f"{', '.join(said)}, for {means['hold']:g} s"
+    return [*head, f"Converged: {conditions(numbers['converged']['means'])}."]
 
 
 def table(title: str, *columns: str, words: bool = False) -> Table:
@@ -101,7 +90,7 @@ def _modes(numbers: Numbers) -> Table:
             percent(mode["share"]),
             f"{percent(low)} to {percent(high)}",
             number(mode["force_residual"], "", 3),
-            _millimetres(mode["moment_residual"]),
+            millimetres(mode["moment_residual"]),
         )
     return listed
 
@@ -112,11 +101,11 @@ def _measures(numbers: Numbers) -> Table:
     force, moment = residuals["force"], residuals["moment"]
     ticks, pressed, shift = numbers["ticks_to_converge"], numbers["contact_force"], numbers["object_shift"]
     row(listed, "force residual ‖ρ_f‖", number(force["start"], "", 3), number(force["end"], "", 3))
-    row(listed, "moment residual ‖ρ_m‖", _millimetres(moment["start"]), _millimetres(moment["end"]))
+    row(listed, "moment residual ‖ρ_m‖", millimetres(moment["start"]), millimetres(moment["end"]))
     row(listed, "orientation, range", _range(orientation["start"]), _range(orientation["end"]))
     row(listed, "contact force, range *", "", _span(pressed["least"], pressed["largest"], "N"))
-    row(listed, "object moved", "", _millimetres(shift["median"]))
-    row(listed, "  at most", "", _millimetres(shift["largest"]))
+    row(listed, "object moved", "", millimetres(shift["median"]))
+    row(listed, "  at most", "", millimetres(shift["largest"]))
     row(listed, "ticks or probes to converge *", "", number(ticks["median"], "", 0))
     row(listed, "  9 in 10 within", "", number(ticks["p90"], "", 0))
     row(listed, "tactile samples *", "", number(numbers["samples"]["median"], "", 0))
@@ -161,20 +150,6 @@ def _foot(numbers: Numbers) -> list[RenderableType]:
         f"{redrawn} infeasible {'start' if redrawn == 1 else 'starts'} drawn again.",
         Text(f"The run is in {printable(numbers['run'])}; to repeat it:", overflow="fold"),
     ]
-
-
-def percent(share: float) -> str:
-    """A share in percent."""
-    return f"{100 * share:.0f} %"
-
-
-def number(value: float | None, unit: str, digits: int) -> str:
-    """A number with its unit, or a dash."""
-    return "–" if value is None else f"{value:.{digits}f} {unit}".rstrip()
-
-
-def _millimetres(metres: float | None) -> str:
-    return number(None if metres is None else 1000 * metres, "mm", 1)
 
 
 def _exponent(value: float | None) -> str:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
@@ -18,7 +16,7 @@ from graspdsl.report.comparison_figures import Side, convergence_figure, orienta
 from graspdsl.report.comparison_tables import methods_of, tables_of
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import gathered
-from graspdsl.report.palette import stylesheet
+from graspdsl.report.templating import DrawnFigure, rendered
 from graspdsl.report.writing import prepare
 from graspdsl.trials.store import RunFolder
 
@@ -40,14 +38,6 @@ FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
         "are displaced by probing.",
     ),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class DrawnFigure:
-    """A figure for a page."""
-
-    svg: Markup
-    caption: str
 
 
 def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping[str, Any]) -> None:
@@ -73,13 +63,10 @@ def _label(number: int, folder: RunFolder) -> str:
 
 def page(numbers: Mapping[str, Any], figures: Sequence[DrawnFigure]) -> str:
     """The page of a comparison: one file that needs no other."""
-    environment = Environment(
-        loader=PackageLoader("graspdsl.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
-    return environment.get_template("compare.html").render(
+    return rendered(
+        "compare.html",
         runs=numbers["runs"],
         tables=tables_of(numbers),
         methods=methods_of(numbers),
         figures=figures,
-        stylesheet=Markup(stylesheet()),
     )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import matplotlib
@@ -20,18 +21,19 @@ _BY_COLOUR = {colour: name for name, colour in LIGHT.items()}
 def svg_of(figure: Figure, name: str) -> str:
     """A figure as an SVG file, its text as text."""
     stream = io.StringIO()
-    with _written_out(figure), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
+    with _written_out(figure), _quiet(), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    without_comments = re.sub(r"<!--.*?-->\n?", "", stream.getvalue(), flags=re.DOTALL)
     lowered = re.sub(
-        r"ρ_(\w)([^<]*)", r'ρ<tspan dy="2" font-size="70%">\1</tspan><tspan dy="-2">\2</tspan>', stream.getvalue()
+        r"ρ_(\w)([^<]*)", r'ρ<tspan dy="2" font-size="70%">\1</tspan><tspan dy="-2">\2</tspan>', without_comments
     )
-    return re.sub(r"-?\d+\.\d{3,}", lambda match: f"{float(match[0]):.2f}", lowered)
+    return _in_tags(r"-?\d+\.\d{3,}", lambda match: f"{float(match[0]):.2f}", lowered)
 
 
 @contextmanager
 def _written_out(figure: Figure) -> Iterator[None]:
-    """Labels without TeX, of which SVG would place every letter by itself."""
-    before = {label: label.get_text() for label in figure.findobj(Text)}
+    """Labels without TeX, of which SVG would place every letter by itself; users' text is none (``parse_math``)."""
+    before = {label: label.get_text() for label in figure.findobj(Text) if label.get_parse_math()}
     for label, text in before.items():
         label.set_text(re.sub(r"\$(.*?)\$", r"\1", text))
     try:
@@ -41,10 +43,24 @@ def _written_out(figure: Figure) -> Iterator[None]:
             label.set_text(text)
 
 
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """No word about letters that the font lacks: the reader's font may have them."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
+        yield
+
+
+def _in_tags(pattern: str, replacement: str | Callable[[re.Match[str]], str], text: str) -> str:
+    """Substitute within tags, and leave the text between them alone."""
+    return re.sub(r"<[^>]*>", lambda tag: re.sub(pattern, replacement, tag[0]), text)
+
+
 def png_of(figure: Figure) -> bytes:
     """A figure as a PNG picture, for papers."""
     stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+    with _quiet():
+        figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
     return stream.getvalue()
 
 
@@ -58,11 +74,12 @@ def inline_svg(file: str, name: str, label: str) -> str:
     box = re.search(r'viewBox="([^"]*)"', body)
     assert box is not None
     opening = f'<svg class="figure" viewBox="{box[1]}" role="img" aria-label="{label}">'
-    body = re.sub(r"<svg\b[^>]*>", opening, body, count=1).replace("xlink:href", "href")
-    body = re.sub(r'\bid="', f'id="{name}-', body)
-    body = re.sub(r'(href="#|url\(#)', rf"\1{name}-", body)
-    body = re.sub(r"#[0-9a-f]{6}\b", lambda match: _variable(match[0]), body)
-    return re.sub(r"font-family: [^;\"]*", "font-family: inherit", body)
+    body = _in_tags(r"xlink:href", "href", body)
+    body = _in_tags(r'\bid="', f'id="{name}-', body)
+    body = _in_tags(r'(href="#|url\(#)', rf"\1{name}-", body)
+    body = _in_tags(r"#[0-9a-f]{6}\b", lambda match: _variable(match[0]), body)
+    body = _in_tags(r"font-family: [^;\"]*", "font-family: inherit", body)
+    return re.sub(r"<svg\b[^>]*>", lambda _: opening, body, count=1)
 
 
 def _variable(colour: str) -> str:

@@ -23,7 +23,7 @@ SMALL, MEDIUM = 8.0, 8.8  # pt
 WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
 LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
-DOTS, STROKES = "......", "//////"
+DOTS, LEVEL, STROKES = "......", "------", "//////"
 NAMES = {"azimuth": "azimuth of {contact}", "polar": "polar angle of {contact} from the top"}
 STROKE = "#aab2bb"
 
@@ -31,9 +31,12 @@ STROKE = "#aab2bb"
 GREYS = {
     Outcome.LOCAL_MINIMUM: ("#c9ced4", ""),
     Outcome.TIMEOUT: ("#c9ced4", DOTS),
+    Outcome.DRAGGED: ("#c9ced4", LEVEL),
     Outcome.CONTACT_LOST: ("#8f98a2", ""),
     Outcome.JOINT_LIMIT: ("#8f98a2", DOTS),
+    Outcome.TABLE_CONTACT: ("#8f98a2", LEVEL),
     Outcome.PALM_COLLISION: ("#5a636d", ""),
+    Outcome.LINK_COLLISION: ("#5a636d", LEVEL),
     Outcome.TOPPLED: ("#5a636d", DOTS),
     Outcome.DIVERGED: ("#23292f", ""),
     Outcome.CRASHED: ("#23292f", DOTS),
@@ -48,7 +51,7 @@ def map_figure(made: AttractionMap) -> Figure:
     heading = textwrap.wrap(_heading(made), 68 * count)
     height = SIDE + 0.9 + LINE * (len(made.classes) + 2 + len(heading))
     figure = Figure((WIDTH * count, height), layout="constrained", facecolor=LIGHT["ground"])
-    figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"])
+    figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"], parse_math=False)
     panels = list(figure.subplots(1, count, squeeze=False)[0])
     for axes in panels:
         _frame(axes, cells)
@@ -80,8 +83,8 @@ def _frame(axes: Axes, cells: Cells) -> None:
     axes.set_xlim(cells.x.low, cells.x.high)
     axes.set_ylim(*((cells.y.high, cells.y.low) if cells.y.parameter == "polar" else (cells.y.low, cells.y.high)))
     axes.set_box_aspect(1.0)
-    axes.set_xlabel(axis_label(cells.x, cells), fontsize=MEDIUM, color=LIGHT["ink"])
-    axes.set_ylabel(axis_label(cells.y, cells), fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.set_xlabel(axis_label(cells.x, cells), fontsize=MEDIUM, color=LIGHT["ink"], parse_math=False)
+    axes.set_ylabel(axis_label(cells.y, cells), fontsize=MEDIUM, color=LIGHT["ink"], parse_math=False)
     axes.spines[:].set(color=LIGHT["muted"], linewidth=0.7)
     axes.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
     for name, (x, y) in cells.marks.items():

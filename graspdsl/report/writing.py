@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
@@ -25,6 +26,30 @@ def write(folder: Path, files: Mapping[str, str | bytes]) -> None:
     try:
         for name, content in files.items():
             (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+    except OSError as error:
+        raise _unwritable(error) from error
+
+
+def replace(folder: Path, files: Mapping[str, str | bytes], outdated: Sequence[str] = ()) -> None:
+    """Write files into a folder and its folders, each in the place of an earlier one only once all are whole.
+
+    Others that match the patterns ``outdated`` are removed. Raises DiagnosticError where it cannot.
+    """
+    try:
+        drafts = {}
+        try:
+            for name, content in files.items():
+                place = folder / name
+                place.parent.mkdir(exist_ok=True)
+                drafts[place] = place.with_name(f"{place.name}.{os.getpid()}.new")
+                drafts[place].write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+            for place, draft in drafts.items():
+                draft.replace(place)
+        finally:
+            for draft in drafts.values():
+                draft.unlink(missing_ok=True)
+        for place in {found for pattern in outdated for found in folder.glob(pattern)} - set(drafts):
+            place.unlink()
     except OSError as error:
         raise _unwritable(error) from error
 

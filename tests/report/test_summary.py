@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from graspdsl.arrays import Float32Array
 from graspdsl.report.summary import repeating, summary
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
@@ -41,6 +42,13 @@ def _record(number: int, **values: Any) -> TrialRecord:
     return TrialRecord(**{**nothing, **measured, "number": number, **values})
 
 
+def _trajectory(*, touching: bool) -> dict[str, Float32Array]:
+    """One row: every contact touches, or none."""
+    names = ("time", "phase", "force_residual", "moment_residual")
+    rows = {name: np.zeros(1, np.float32) for name in names}
+    return {**rows, "touching": np.full((1, 3), touching, np.float32)}
+
+
 @pytest.fixture
 def build(tmp_path: Path) -> Build:
     """Makes the folder of a run with these records."""
@@ -49,7 +57,7 @@ def build(tmp_path: Path) -> Build:
         manifest = Manifest("a-run", "spec.yaml", overrides, 7, asked, {"graspdsl": "0"}, 2.5)
         folder = RunFolder.create(tmp_path / "the run", manifest, SPEC.read_text(encoding="utf-8"))
         for record in records:
-            folder.add(Trial(record, {"time": np.zeros(1, np.float32)}))
+            folder.add(Trial(record, _trajectory(touching=record.outcome is not Outcome.CONTACT_LOST)))
         return folder
 
     return built
@@ -60,7 +68,12 @@ def test_a_run_without_trials(build: Build) -> None:
     assert json.loads(json.dumps(numbers, allow_nan=False))["trials"] == {"asked": 5, "finished": 0}
     assert (numbers["outcomes"], numbers["modes"], numbers["records"]) == ({}, [], [])
     assert numbers["converged"]["share"] is None
-    assert numbers["residuals"]["force"] == {"start": None, "end": None}
+    assert numbers["residuals"]["force"] == {
+        "start": None,
+        "end": None,
+        "end_in_contact": None,
+        "squared": {"start": None, "end": None, "end_in_contact": None},
+    }
     assert numbers["ticks_to_converge"] == {"median": None, "p90": None}
 
 
@@ -80,6 +93,18 @@ def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) ->
     assert mode["centre"] == pytest.approx(1.5, abs=0.01)
     assert numbers["redraws"] == 4
     assert numbers["records"][1]["point_error"] == [None, None]
+
+
+def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> None:
+    """A contact that was lost, or a trajectory that is, leaves a trial out of modes and of what is in contact."""
+    lost = _record(2, outcome=Outcome.CONTACT_LOST, orientation_end=0.3, force_residual_end=0.9)
+    folder = build(*(_record(number, orientation_end=1.5, force_residual_end=0.03) for number in (0, 1, 3)), lost)
+    folder.trajectory_file(3).unlink()
+    numbers = summary(folder)
+    assert numbers["in_contact"]["end"] == [True, True, False, None]
+    assert [mode["trials"] for mode in numbers["modes"]] == [[0, 1]]
+    assert numbers["residuals"]["force"]["end_in_contact"] == 0.03
+    assert numbers["residuals"]["force"]["squared"]["end_in_contact"] == pytest.approx(0.03**2)
 
 
 def test_records_stand_by_number_whatever_the_order_they_came_in(build: Build) -> None:

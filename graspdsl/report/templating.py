@@ -1,0 +1,37 @@
+"""Pages from templates: every text that goes into one is escaped."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from graspdsl.report.palette import stylesheet
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnFigure:
+    """A figure for a page."""
+
+    svg: Markup
+    caption: str
+
+
+def rendered(template: str, **values: object) -> str:
+    """A page from a template: one file that needs no other."""
+    environment = Environment(
+        loader=PackageLoader("graspdsl.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["notation"] = notation
+    return environment.get_template(template).render(stylesheet=Markup(stylesheet()), **values)
+
+
+def notation(text: str) -> Markup:
+    """Text as HTML, with the indices of residuals lowered: ρ_f, ρ_m."""
+    return Markup(re.sub(r"ρ_(\w)", r"ρ<sub>\1</sub>", str(escape(text))))
