@@ -4,10 +4,14 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint types unit clean
+.PHONY: demo experiments test lint types unit clean
 
 demo: $(VENV)/.installed
 	$(BIN)/graspdsl run specs/towel_roll_two_contacts.yaml
+
+# The chapter's four experiments, and what of them agrees with the chapter; SEED=7 for other numbers.
+experiments: $(VENV)/.installed
+	$(BIN)/graspdsl experiments specs/experiments/*.yaml $(if $(SEED),--seed $(SEED))
 
 test: lint types unit
 

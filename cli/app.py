@@ -217,6 +217,29 @@ def compare(
         show_comparison(folders, out, as_json)
 
 
+@app.command()
+def experiments(
+    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Specs of the chapter's experiments.")],
+    trials: Trials = None,
+    seed: Seed = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Where the runs go; one begun there before goes on.")
+    ] = None,
+    settings: Setting = [],  # noqa: B006 (typer copies it)
+    as_json: AsJson = False,
+) -> None:
+    """Run the chapter's experiments and say, point by point, what agrees with the chapter."""
+    with answering(as_json):
+        overrides = list(settings)
+        overrides += [f"trials.count={trials}"] if trials is not None else []
+        overrides += [f"trials.seed={seed}"] if seed is not None else []
+        from graspdsl.cli.experimenting import run_experiments
+
+        code = run_experiments(specs, tuple(overrides), workers, out, as_json)
+    raise typer.Exit(code)
+
+
 class Kind(enum.StrEnum):
     """What can be listed."""
 

@@ -1,0 +1,36 @@
+"""What the experiments say together: one page and the claims as data."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from graspdsl.report.conformance import Claim
+from graspdsl.report.templating import rendered
+from graspdsl.report.writing import replace
+
+PAGE, NUMBERS = "report.html", "conformance.json"
+TITLE = "The chapter's experiments"
+
+
+def verdict(claims: Sequence[Claim]) -> str:
+    """How many claims agree, in a sentence."""
+    return f"{sum(claim.agrees for claim in claims)} of {len(claims)} points agree with the chapter."
+
+
+def as_data(claims: Sequence[Claim]) -> list[dict[str, object]]:
+    """The claims as plain data."""
+    return [dataclasses.asdict(claim) for claim in claims]
+
+
+def write_experiments(place: Path, claims: Sequence[Claim], reports: Mapping[str, str]) -> Path:
+    """Write the page and the claims into a folder; reports: where the report of each experiment is, from there.
+
+    Returns where the page is. Raises DiagnosticError where the folder cannot be written to.
+    """
+    page = rendered("experiments.html", title=TITLE, verdict=verdict(claims), claims=claims, links=reports)
+    data = json.dumps(as_data(claims), indent=2, ensure_ascii=False) + "\n"
+    replace(place, {PAGE: page, NUMBERS: data})
+    return place / PAGE
