@@ -20,16 +20,21 @@ FULL = Path("/dev/full")
 
 
 @pytest.mark.parametrize(
-    ("words", "code"), [(["schema"], 0), (["validate", "missing.yaml"], 1), (["report", "run"], 0)]
+    ("words", "code", "messages"),
+    [
+        (["schema"], 0, b""),
+        (["validate", "missing.yaml"], 1, b""),
+        (["report", "run"], 0, b"report: run/report.html\n"),
+    ],
 )
-def test_nobody_reads_the_results(words: list[str], code: int, finished: FinishedRun) -> None:
+def test_nobody_reads_the_results(words: list[str], code: int, messages: bytes, finished: FinishedRun) -> None:
     reader, writer = os.pipe()
     os.close(reader)
     answer = subprocess.run(
         [PROGRAM, *words], cwd=finished.folder.parent, stdout=writer, stderr=subprocess.PIPE, check=False
     )
     os.close(writer)
-    assert (answer.returncode, answer.stderr) == (code, b"")
+    assert (answer.returncode, answer.stderr) == (code, messages)
 
 
 def test_a_run_goes_on_when_nobody_reads_its_messages(tmp_path: Path) -> None:
