@@ -138,7 +138,7 @@ def claims_table(claims: Sequence[Numbers]) -> PageTable:
             words(str(claim["experiment"])),
             words(str(claim["says"])),
             words(str(claim["measured"])),
-            words("✓ agrees" if claim["agrees"] else "✗ does not agree"),
+            words("✓ agrees" if claim["agrees"] else "✗ disagrees"),
             words(str(claim["why"])),
         )
         for claim in claims
