@@ -39,6 +39,7 @@ def funnel_figure(funnel: Funnel) -> Figure:
     figure, (above, between, below) = _panels(5.0, (1.5, 1.15, 1.5))
     before, after = funnel.before[np.isfinite(funnel.before)], funnel.after[np.isfinite(funnel.after)]
     _density(above, before, "before", "before the controller")
+    above.tick_params(axis="x", length=0)  # only the rug, which they would look like
     _ways(between, funnel)
     _density(below, after, "ink", "after it")
     if len(after):

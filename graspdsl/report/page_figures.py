@@ -57,9 +57,9 @@ def drawn_funnel(evidence: Evidence, numbers: Numbers) -> Drawing | None:
     centres = [mode["centre"] for mode in numbers["modes"]]
     widths = [f"{bandwidth(known):.3f} rad" for known in (before[np.isfinite(before)], after[np.isfinite(after)])]
     caption = (
-        "Orientation of the grasp against the object's axis, before the controller (above) and at the end (below); a line "
-        "joins the two of a trial, in the colour of its mode; × is a trial that does not count at the end. Curves: "
-        "densities by a Gaussian kernel, reflected at 0 and π/2, "
+        "Orientation of the grasp against the object's axis, before the controller (above) and at the end (below); a "
+        "line joins the two of a trial, in the colour of its mode; × is a trial that does not count at the end. "
+        "Curves: densities by a Gaussian kernel, reflected at 0 and π/2, "
         f"bandwidth {widths[0]} before and {widths[1]} after; ticks on the axes: single trials; vertical lines: modes."
     )
     return drawing("funnel", funnel_figure(Funnel(before, after, of_trial, centres)), caption)

@@ -22,9 +22,9 @@ DEFINITIONS: Mapping[str, str] = {
 def quality_tables(quality: Mapping[str, Any]) -> list[PageTable]:
     """A table for each grade, with its definition below."""
     return [
-        _listed(_title(name), found, DEFINITIONS.get(name, ""))
+        _listed(_heading(name), found, DEFINITIONS.get(name, ""))
         if isinstance(found, Sequence) and not isinstance(found, str)
-        else PageTable(_title(name), ("measure", "value"), tuple(_rows(found)), DEFINITIONS.get(name, ""))
+        else PageTable(_heading(name), ("measure", "value"), tuple(_rows(found)), DEFINITIONS.get(name, ""))
         for name, found in quality.items()
     ]
 
@@ -64,6 +64,11 @@ def _cell(name: str, value: Any) -> Cell:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return words(", ".join(_cell("", inner).text for inner in value))
     return words(str(value))
+
+
+def _heading(name: str) -> str:
+    title = _title(name)
+    return title[:1].upper() + title[1:]
 
 
 def _title(name: str) -> str:

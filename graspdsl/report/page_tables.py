@@ -59,9 +59,9 @@ def modes_table(numbers: Numbers) -> PageTable:
             Cell(percent(mode["share"]), mode["share"]),
             Cell(percents(mode["interval"]), mode["interval"][0]),
             _value(mode["force_residual"], "{:.3f}"),
-            _value(mode["force_squared"], "{:.2g}"),
+            _squared(mode["force_squared"]),
             _value(mode["moment_residual"], "{:.1f}", 1e3),
-            _value(mode["moment_squared"], "{:.2g}", 1e6),
+            _squared(mode["moment_squared"], 1e6),
         )
         for rank, mode in enumerate(numbers["modes"], 1)
     ]
@@ -85,11 +85,12 @@ def residuals_table(numbers: Numbers) -> PageTable:
     rows = []
     for label, found, form, scale in (
         ("force residual ‖ρ_f‖", force, "{:.3f}", 1.0),
-        ("ε_f = ‖ρ_f‖²", force["squared"], "{:.2g}", 1.0),
+        ("ε_f = ‖ρ_f‖²", force["squared"], "", 1.0),
         ("moment residual ‖ρ_m‖ (mm)", moment, "{:.1f}", 1e3),
-        ("ε_m = ‖ρ_m‖² (mm²)", moment["squared"], "{:.2g}", 1e6),
+        ("ε_m = ‖ρ_m‖² (mm²)", moment["squared"], "", 1e6),
     ):
-        ends = [_value(found[when], form, scale) for when in ("start", "end", "end_in_contact")]
+        medians = [found[when] for when in ("start", "end", "end_in_contact")]
+        ends = [_value(median, form, scale) if form else _squared(median, scale) for median in medians]
         rows.append((words(label), *ends))
     columns = ("median over trials", "start", "end", "end, all contacts touching")
     return PageTable("Residuals at start and end", columns, tuple(rows))
@@ -137,7 +138,7 @@ def claims_table(claims: Sequence[Numbers]) -> PageTable:
             words(str(claim["experiment"])),
             words(str(claim["says"])),
             words(str(claim["measured"])),
-            words("✓ agrees" if claim["agrees"] else "✗ does not agree"),
+            words("✓ agrees" if claim["agrees"] else "✗ disagrees"),
             words(str(claim["why"])),
         )
         for claim in claims
@@ -192,3 +193,8 @@ def _trial(record: Numbers) -> tuple[Cell, ...]:
 
 def _value(value: float | None, form: str, scale: float = 1.0) -> Cell:
     return Cell(NOTHING) if value is None else Cell(form.format(scale * value), scale * value)
+
+
+def _squared(value: float | None, scale: float = 1.0) -> Cell:
+    """A squared error, which ranges over orders of magnitude, with two significant digits."""
+    return _value(value, "{:.0f}" if value is not None and scale * value >= 100.0 else "{:.2g}", scale)

@@ -72,7 +72,7 @@ def setting(evidence: Evidence) -> list[tuple[str, str]]:
 def left_out(evidence: Evidence) -> list[str]:
     """How many trials do not count where grasps ended, and why."""
     reasons = Counter(reason for reason in (_reason(evidence, record) for record in evidence.records) if reason)
-    return [f"{counted(count, 'trial', 'trials')}: {reason}" for reason, count in reasons.most_common()]
+    return [f"{counted(count, 'trial', 'trials')} ({reason})" for reason, count in reasons.most_common()]
 
 
 def _reason(evidence: Evidence, record: TrialRecord) -> str:

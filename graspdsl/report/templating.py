@@ -33,5 +33,5 @@ def rendered(template: str, **values: object) -> str:
 
 
 def notation(text: str) -> Markup:
-    """Text as HTML, with the indices of residuals lowered: ρ_f, ρ_m."""
-    return Markup(re.sub(r"ρ_(\w)", r"ρ<sub>\1</sub>", str(escape(text))))
+    """Text as HTML, with the indices of residuals lowered: ρ_f, ε_m."""
+    return Markup(re.sub(r"([ρε])_(\w)", r"\1<sub>\2</sub>", str(escape(text))))

@@ -103,9 +103,10 @@ def cells_of(spec: Spec, records: Sequence[TrialRecord]) -> Cells:
     """The map of a finished run on a grid, its records by number. Raises DiagnosticError for a run that is none."""
     x, y = axes_of(spec)
     fixed = {
-        name: f"{getattr(spec.trials.start, name):g} {slot(Start, (name,)).unit}"
+        name: f"{value:g} {slot(Start, (name,)).unit}"
         for name in PARAMETERS
         if name not in (x.parameter, y.parameter)
+        and isinstance(value := getattr(spec.trials.start, name), float)  # and not drawn for each trial
     }
     return Cells(
         x=x,

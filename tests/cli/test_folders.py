@@ -125,7 +125,10 @@ def test_a_complete_run_is_only_reported(copied: Path) -> None:
     before = (copied / "trials.sqlite").read_bytes()
     answer = CliRunner().invoke(app, ["run", str(SPEC), "--resume", "run", "--workers", "2"])
     assert answer.exit_code == 0
-    assert answer.stderr == "towel-roll-two-contacts: 3 trials, seed 2006, 3 finished before → run\n"
+    assert (
+        answer.stderr
+        == "towel-roll-two-contacts: 3 trials, seed 2006, 3 finished before → run\nreport: run/report.html\n"
+    )
     assert (copied / "trials.sqlite").read_bytes() == before
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import shutil
 import subprocess
 from pathlib import Path
 from typing import Literal
@@ -85,12 +86,33 @@ def test_orientations_stand_by_trial_number(finished: FinishedRun) -> None:
 
 def test_report_prints_the_document_again(finished: FinishedRun) -> None:
     answer = graspdsl("report", "run", "--json", cwd=finished.folder.parent)
-    assert (answer.returncode, answer.stderr) == (0, "")
+    assert (answer.returncode, answer.stderr) == (0, "report: run/report.html\n")
     assert json.loads(answer.stdout) == finished.document
 
 
+def test_a_run_leaves_a_page_and_figures(finished: FinishedRun) -> None:
+    page = (finished.folder / "report.html").read_text("utf-8")
+    assert finished.document["command"] in page
+    figures = {file.name for file in (finished.folder / "figures").iterdir()}
+    assert {"funnel.svg", "funnel.png"} <= figures
+    assert {Path(name).stem for name in figures if name.endswith(".svg")} == {
+        Path(name).stem for name in figures if name.endswith(".png")
+    }
+
+
+def test_without_a_place_for_the_page_numbers_are_still_printed(finished: FinishedRun, tmp_path: Path) -> None:
+    shutil.copytree(finished.folder, tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "figures")
+    (tmp_path / "run" / "figures").write_text("a file where the folder should be", "utf-8")
+    answer = graspdsl("report", "run", "--json", cwd=tmp_path)
+    assert (answer.returncode, json.loads(answer.stdout)) == (0, finished.document)
+    warning = "run: warning[folder-not-writable]: cannot write to this folder: file exists\n"
+    assert answer.stderr == warning
+
+
 def test_messages_of_a_run(finished: FinishedRun) -> None:
-    first, *progress = finished.messages.splitlines()
+    first, *progress, last = finished.messages.splitlines()
+    assert last == "report: run/report.html"
     assert first == "towel-roll-two-contacts: 3 trials, seed 2006 → run"
     assert [line.split()[1] for line in progress] == ["1/3", "2/3", "3/3"]
 

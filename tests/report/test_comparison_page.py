@@ -21,7 +21,7 @@ from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
-VOID = {"meta", "br", "path", "use", "rect", "circle", "line", "stop", "link"}
+VOID = {"meta", "img", "br", "path", "use", "rect", "circle", "line", "stop", "link"}
 
 
 def run(folder: Path, name: str, *overrides: str, count: int | None = None) -> RunFolder:
