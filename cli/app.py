@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from graspdsl.cli.inputs import answering, examined, sound
+from graspdsl.cli.inputs import answering, judged, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
 from graspdsl.diagnostics import has_errors
 
@@ -56,13 +56,14 @@ def _graspdsl(
 
 @app.command()
 def validate(
-    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Spec files (YAML).")], as_json: AsJson = False
+    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Spec files or hand files (YAML).")],
+    as_json: AsJson = False,
 ) -> None:
-    """Check specs: every fault, with its place and a way out."""
+    """Check specs and hand files: every fault, with its place and a way out."""
     files, every_one_sound = [], True
     with answering():
         for path in specs:
-            _, source, diagnostics = examined(path)
+            source, diagnostics = judged(path)
             faulty = has_errors(diagnostics)
             every_one_sound = every_one_sound and not faulty
             files.append(as_file_json(str(path), diagnostics))

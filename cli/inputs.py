@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,9 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
 
 if TYPE_CHECKING:
     from graspdsl.compiler.program import Program
+
+
+HAND_FILE = re.compile(r"(?:\s*(?:#[^\n]*)?\n)*hand\s*:")
 
 
 class InputError(Exception):
@@ -44,6 +48,23 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
         return None, "", error.diagnostics
     examination = examine(source, path.name, overrides, path.parent)
     return examination.program, source, examination.diagnostics
+
+
+def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
+    """The text of a spec or of a hand file, and every complaint about it; a hand file says 'hand:' first of all."""
+    _, source, diagnostics = examined(path)
+    if HAND_FILE.match(source) is None:
+        return source, diagnostics
+    from graspdsl.hands.hand_files import HandFileError, hand_in
+    from graspdsl.spec.named_files import SpecFolder
+
+    try:
+        hand_in(SpecFolder(path.parent), path.name)
+    except HandFileError as error:
+        return error.text, error.diagnostics
+    except DiagnosticError as error:
+        return source, error.diagnostics
+    return source, ()
 
 
 def sound(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program, str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 
 from graspdsl.cli.messages import result, result_json
 from graspdsl.cli.tables import row, table, text_of
 
 Rows = list[dict[str, str]]
+BEGINNING = 4096  # characters of a file in which it says what it is
 
 
 def show_list(kind: str, as_json: bool) -> None:
@@ -83,7 +85,22 @@ def _named(entries: Iterable[tuple[str, str]]) -> Rows:
 def _hands() -> Rows:
     from graspdsl.hands.descriptions import hands
 
-    return _named((name, hand.about) for name, hand in hands().items())
+    found = [(str(path), "a hand file found here") for path in _hand_files()]
+    return _named([*((name, hand.about) for name, hand in hands().items()), *found])
+
+
+def _hand_files() -> list[Path]:
+    """Hand files in this folder and in the folder hands below it."""
+    from graspdsl.cli.inputs import HAND_FILE
+    from graspdsl.hands.hand_files import SUFFIXES
+
+    found = []
+    for path in sorted([*Path().glob("*"), *Path("hands").glob("*")]):
+        if path.suffix in SUFFIXES and path.is_file():
+            with path.open(encoding="utf-8", errors="replace") as file:
+                if HAND_FILE.match(file.read(BEGINNING)):
+                    found.append(path)
+    return found
 
 
 def _objects() -> Rows:

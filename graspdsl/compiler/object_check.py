@@ -8,19 +8,19 @@ from pathlib import Path as FilePath
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.objects.bodies import body_in
-from graspdsl.objects.files import ObjectFile, ObjectFolder
 from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.shapes import Body, Cylinder, catalogue, shape_from
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
+from graspdsl.spec.named_files import NamedFile, SpecFolder
 from graspdsl.spec.scene import InlineObject
 from graspdsl.worlds.kinds import WORLDS
 
 
 def found_object(
     spec: Spec, document: Document, complaints: Complaints, folder: FilePath
-) -> tuple[Body, tuple[ObjectFile, ...]] | None:
+) -> tuple[Body, tuple[NamedFile, ...]] | None:
     """The object of a spec in a folder, and the files that it was read from; None, with complaints, without one."""
     thing = spec.scene.object
     if isinstance(thing, str):
@@ -40,7 +40,7 @@ def found_object(
     try:
         if not from_file and not _possible(spec, thing, document, complaints):
             return None
-        files = ObjectFolder(folder)
+        files = SpecFolder(folder)
         return body_in(files, thing, warn), tuple(files.files)
     except DiagnosticError as error:
         complaints.add(*(replace(diagnostic, span=span) for diagnostic in error.diagnostics))

@@ -26,16 +26,17 @@ from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
+from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression
-from graspdsl.objects.files import ObjectFile
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
+from graspdsl.spec.named_files import NamedFile, SpecFolder
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
@@ -72,7 +73,7 @@ class Program:
     world: WorldKind
     phases: tuple[CheckedPhase, ...]
     body: Body
-    files: tuple[ObjectFile, ...] = ()
+    files: tuple[NamedFile, ...] = ()
 
     @property
     def probes(self) -> bool:
@@ -117,7 +118,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
     complaints = Complaints(document)
-    check = _ProgramCheck(declarations_of(document), complaints)
+    hand_files = SpecFolder(folder)
+    check = _ProgramCheck(declarations_of(document), complaints, hand_files)
     phases = check.phases()
     check_scene(document, complaints)
     thing = None
@@ -130,7 +132,9 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
-    return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases, *thing), diagnostics)
+    body, object_files = thing
+    files = (*hand_files.files, *object_files)
+    return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases, body, files), diagnostics)
 
 
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
@@ -144,7 +148,7 @@ def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: Fi
 def examine_expression(text: str) -> tuple[CheckedPhase, Robot]:
     """Check an expression in the default scene. Raises DiagnosticError."""
     complaints = Complaints()
-    check = _ProgramCheck(default_scene(), complaints)
+    check = _ProgramCheck(default_scene(), complaints, SpecFolder(HERE))
     phase = check.phase(SourceText.of(text), ())
     if phase is None or check.robot is None:
         raise DiagnosticError(in_reading_order(complaints.found))
@@ -158,8 +162,8 @@ def default_target() -> Target:
 
 
 class _ProgramCheck:
-    def __init__(self, declarations: Declarations, complaints: Complaints) -> None:
-        self._declarations, self._complaints = declarations, complaints
+    def __init__(self, declarations: Declarations, complaints: Complaints, files: SpecFolder) -> None:
+        self._declarations, self._complaints, self._files = declarations, complaints, files
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
         if self.robot is None:
@@ -172,9 +176,30 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
-        hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
         mount = scene.mount.text in mounts()  # the spec's model names the mounts there are
+        if names_a_file(scene.hand.text):
+            found = self._hand_of_file(scene.hand)
+            return (
+                Robot(hand=found.hand, mount=mounts()[scene.mount.text], hand_model=found.model)
+                if found and mount
+                else None
+            )
+        hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
         return robot(scene.hand.text, scene.mount.text) if hand and mount else None
+
+    def _hand_of_file(self, name: SourceText) -> FoundHand | None:
+        """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
+        self._complaints.about(("scene", "hand"))
+        try:
+            return hand_in(self._files, name.text)
+        except DiagnosticError as error:
+            for fault in error.diagnostics:
+                self._complaints.error(fault.code, fault.message, whole(name), fault.hint)
+        except HandFileError as error:
+            for fault in error.diagnostics:
+                place = error.name if fault.span is None else f"{error.name}:{fault.span.line}:{fault.span.column}"
+                self._complaints.error(fault.code, f"{place}: {fault.message}", whole(name), fault.hint)
+        return None
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
         if name is None or name.text in known:

@@ -103,10 +103,20 @@ class Mount(Model):
 
 
 class Robot(Model):
-    """A hand on a mount: the joints of both in command order, mount first."""
+    """A hand on a mount: the joints of both in command order, mount first.
+
+    ``hand_model``: the text of the hand's URDF, where it is not one of this package.
+    """
 
     hand: Hand
     mount: Mount
+    hand_model: str = ""
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """The texts of the URDFs of mount and hand; a hand of bare contacts has none."""
+        hand = self.hand_model or (_model(self.hand.urdf) if self.hand.urdf else "")
+        return tuple(filter(None, (_model(self.mount.urdf), hand)))
 
     @property
     def joints(self) -> Mapping[str, Joint]:
@@ -128,6 +138,11 @@ class Robot(Model):
     def weights(self) -> tuple[float, ...]:
         """The joints' weights in command order."""
         return tuple(joint.weight for joint in self.joints.values())
+
+
+@cache
+def _model(file: str) -> str:
+    return (HERE / file).read_text("utf-8")
 
 
 def _catalogue(kind: str) -> Iterator[tuple[str, object]]:
@@ -153,8 +168,8 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Lower and upper limits [m or rad] of a robot's joints in command order, as its URDFs say."""
     limits = {
         joint.get("name", ""): joint.find("limit")
-        for file in filter(None, (robot.mount.urdf, robot.hand.urdf))
-        for joint in ElementTree.parse(HERE / file).getroot().iter("joint")
+        for model in robot.models
+        for joint in ElementTree.fromstring(model).iter("joint")
     }
     found = [limit for name in robot.joints if (limit := limits[name]) is not None]
     return tuple(float(f.get("lower", "0")) for f in found), tuple(float(f.get("upper", "0")) for f in found)

@@ -9,10 +9,10 @@ from pathlib import Path, PurePath
 import numpy as np
 
 from graspdsl.diagnostics import Diagnostic
-from graspdsl.objects.files import ObjectFolder
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.shapes import Body, catalogue, shape_from
 from graspdsl.objects.urdf_files import object_of_urdf
+from graspdsl.spec.named_files import SpecFolder
 from graspdsl.spec.scene import InlineObject, Mesh
 
 DEFAULT_MASS = 0.5  # kg
@@ -25,10 +25,10 @@ def body_of(choice: str | InlineObject, folder: Path = Path()) -> Body:
 
     Raises DiagnosticError when a file cannot be read or holds no solid.
     """
-    return body_in(ObjectFolder(folder), choice, lambda _: None)
+    return body_in(SpecFolder(folder), choice, lambda _: None)
 
 
-def body_in(folder: ObjectFolder, choice: str | InlineObject, warn: Warn) -> Body:
+def body_in(folder: SpecFolder, choice: str | InlineObject, warn: Warn) -> Body:
     """The object that a scene names or describes; what is odd about its files goes to ``warn``."""
     if isinstance(choice, str):
         return catalogue()[choice]
@@ -45,7 +45,7 @@ def body_in(folder: ObjectFolder, choice: str | InlineObject, warn: Warn) -> Bod
     return Body(choice.name or kind, shape_from({kind: fields}), choice.mass or DEFAULT_MASS)
 
 
-def _of_mesh(folder: ObjectFolder, choice: InlineObject, mesh: Mesh, warn: Warn) -> Body:
+def _of_mesh(folder: SpecFolder, choice: InlineObject, mesh: Mesh, warn: Warn) -> Body:
     content = folder.read(mesh.file)
     shape = mesh_of_file(mesh.file, content, np.full(3, mesh.scale), mesh.convex, warn)
     mass = choice.mass or (DEFAULT_MASS if mesh.density is None else mesh.density * shape.solid.volume)

@@ -13,9 +13,9 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic
 from graspdsl.objects.compound import Compound, Part, Placed, centred
-from graspdsl.objects.files import ObjectFolder, refusal
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
+from graspdsl.spec.named_files import SpecFolder, refusal
 
 LARGEST = 1024 * 1024  # bytes
 MOST_PARTS = 200
@@ -46,7 +46,7 @@ class UrdfObject(NamedTuple):
     mass: float
 
 
-def object_of_urdf(name: str, folder: ObjectFolder, warn: Warn) -> UrdfObject:
+def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
     """The collision geometry of a URDF file as one solid; its inertias are not believed.
 
     Raises DiagnosticError when it has none, is no URDF, or has joints that move.
@@ -60,7 +60,7 @@ def object_of_urdf(name: str, folder: ObjectFolder, warn: Warn) -> UrdfObject:
 
 
 class _Urdf:
-    def __init__(self, name: str, content: bytes, folder: ObjectFolder, warn: Warn) -> None:
+    def __init__(self, name: str, content: bytes, folder: SpecFolder, warn: Warn) -> None:
         self._name, self._folder, self._warn = name, folder, warn
         if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
             raise refusal("bad-urdf", f"{name} declares entities, which no URDF needs", "leave its DOCTYPE out")

@@ -12,6 +12,7 @@ import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
 from graspdsl.objects.shapes import Body
+from graspdsl.spec.named_files import digest_of
 from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors, window_of
@@ -34,8 +35,8 @@ def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
     parts = [spec, program.monitors.model_dump(mode="json"), number, seed, versions()]
-    if program.body.digest:
-        parts += [program.body.digest, {name: metadata.version(name) for name in FILE_READERS}]
+    if program.files:
+        parts += [digest_of(program.files), {name: metadata.version(name) for name in FILE_READERS}]
     whole = json.dumps(parts, sort_keys=True)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
 

@@ -20,8 +20,8 @@ from pydantic import TypeAdapter
 
 from graspdsl.arrays import Float32Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.objects.files import ObjectFile
 from graspdsl.spec.files import read_text
+from graspdsl.spec.named_files import NamedFile
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 
@@ -52,7 +52,7 @@ class RunFolder:
         self.path, self.manifest = path, manifest
 
     @classmethod
-    def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[ObjectFile] = ()) -> RunFolder:
+    def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[NamedFile] = ()) -> RunFolder:
         """A new run folder, with copies of files. Raises DiagnosticError where one cannot be made."""
         folder = cls(path, manifest)
         with folder._writing():

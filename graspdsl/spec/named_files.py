@@ -1,10 +1,11 @@
-"""The files that describe a user's own object, read within the folder of the spec and within bounds."""
+"""The files that a spec names, an object's or a hand's, read within its folder and within bounds."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 import stat
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +16,7 @@ KEPT = "absolute-paths"  # where a run keeps its copies of files that a spec nam
 
 
 @dataclass(frozen=True, slots=True)
-class ObjectFile:
+class NamedFile:
     """A file that was read: its place in a folder of copies, and its content."""
 
     kept_as: Path
@@ -23,19 +24,19 @@ class ObjectFile:
 
 
 @dataclass(slots=True)
-class ObjectFolder:
-    """Where the files of an object are looked for, and those that have been read.
+class SpecFolder:
+    """Where the files that a spec names are looked for, and those that have been read.
 
     A relative path may not leave the folder, through ``..`` or through a link; an absolute one names any file. In the
     folder of a run, which holds copies, the copy of a file with an absolute path comes before the file itself.
     """
 
     path: Path
-    files: list[ObjectFile] = field(default_factory=list)
+    files: list[NamedFile] = field(default_factory=list)
 
     def read(self, name: str) -> bytes:
         """The content of a file. Raises DiagnosticError when there is none, or it is no plain file of moderate size."""
-        place = self._place(name)
+        place = self.place(name)
         try:
             mode = place.stat()
             if stat.S_ISDIR(mode.st_mode):
@@ -48,7 +49,7 @@ class ObjectFolder:
                     content = file.read(LARGEST + 1)
             if mode.st_size > LARGEST or len(content) > LARGEST:
                 size = max(mode.st_size, LARGEST + 1)
-                message = f"{name} is too large: {size} bytes, where an object's file may have {LARGEST}"
+                message = f"{name} is too large: {size} bytes, where a file may have {LARGEST}"
                 raise refusal("file-too-large", message, "simplify it")
         except FileNotFoundError:
             raise refusal("file-not-found", f"there is no file {name}", _looked_in(name)) from None
@@ -57,18 +58,16 @@ class ObjectFolder:
         except OSError as error:
             reason = (error.strerror or "unknown reason").lower()
             raise refusal("file-not-readable", f"cannot read {name}: {reason}", None) from None
-        self.files.append(ObjectFile(_kept_as(name), content))
+        self.files.append(NamedFile(_kept_as(name), content))
         return content
 
     @property
     def digest(self) -> str:
         """A hash of all that has been read; empty when nothing has."""
-        if not self.files:
-            return ""
-        each = "".join(hashlib.sha256(file.content).hexdigest() for file in self.files)
-        return hashlib.sha256(each.encode()).hexdigest()
+        return digest_of(self.files) if self.files else ""
 
-    def _place(self, name: str) -> Path:
+    def place(self, name: str) -> Path:
+        """Where a file is. Raises DiagnosticError for a name that leads out of the folder."""
         try:
             kept = _kept_as(name)
             if Path(name).is_absolute():
@@ -83,6 +82,12 @@ class ObjectFolder:
             message = f"{name} leads out of the folder of the spec"
             raise refusal("outside-of-folder", message, "move the file beside the spec, or write its absolute path")
         return place
+
+
+def digest_of(files: Sequence[NamedFile]) -> str:
+    """A hash of the contents of files."""
+    each = "".join(hashlib.sha256(file.content).hexdigest() for file in files)
+    return hashlib.sha256(each.encode()).hexdigest()
 
 
 def _kept_as(name: str) -> Path:

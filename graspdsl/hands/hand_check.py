@@ -1,0 +1,146 @@
+"""A hand file held against its model: every fault with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from graspdsl.diagnostics import Diagnostic, known_names_hint
+from graspdsl.hands.descriptions import Hand
+from graspdsl.hands.robot_model import FIXED, HINGES, ModelJoint, RobotModel
+from graspdsl.spec.constructing import Path
+from graspdsl.spec.document import Document
+
+
+def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
+    """What a hand file says that its model does not bear out."""
+    check = _Check(hand, model, document)
+    return [
+        *check.links(),
+        *check.joints(),
+        *check.couplings(),
+        *check.contacts(),
+        *check.joint_sets(),
+        *check.postures(),
+    ]
+
+
+class _Check:
+    def __init__(self, hand: Hand, model: RobotModel, document: Document) -> None:
+        self._hand, self._model, self._document = hand, model, document
+
+    def links(self) -> Iterator[Diagnostic]:
+        for key, link in (("root", self._hand.root), ("palm", self._hand.palm)):
+            if link and link not in self._model.links:
+                yield self._unknown("link", link, (key,), self._model.links)
+
+    def joints(self) -> Iterator[Diagnostic]:
+        movable = {name for name, joint in self._model.joints.items() if joint.kind in HINGES}
+        for name in self._hand.joints:
+            yield from self._movable(name, ("joints", name), movable)
+        spoken_for = {*self._hand.joints, *self._hand.couplings}
+        for name in sorted(movable - spoken_for):
+            message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
+            yield self._error(
+                "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
+            )
+
+    def _movable(self, name: str, path: Path, movable: Collection[str]) -> Iterator[Diagnostic]:
+        joint = self._model.joints.get(name)
+        if joint is None:
+            yield self._unknown("joint", name, path, movable, key=True)
+        elif joint.kind not in HINGES:
+            message = f"the joint {name} is {joint.kind} in the model and cannot be driven"
+            yield self._error("joint-not-movable", message, path, "only revolute and prismatic joints move", key=True)
+        elif joint.limits is None or joint.kind == "continuous":
+            message = f"the joint {name} has no limits in the model"
+            yield self._error("joint-without-limits", message, path, "make it revolute, with a <limit>", key=True)
+        elif joint.limits[0] >= joint.limits[1]:
+            message = f"the limits of the joint {name} leave no room: {joint.limits[0]:g} to {joint.limits[1]:g}"
+            yield self._error("out-of-range", message, path, "the lower limit must be below the upper one", key=True)
+
+    def couplings(self) -> Iterator[Diagnostic]:
+        movable = {name for name, joint in self._model.joints.items() if joint.kind in HINGES}
+        for name, coupling in self._hand.couplings.items():
+            path: Path = ("couplings", name)
+            yield from self._movable(name, path, movable)
+            if name in self._hand.joints:
+                message = f"{name} is driven and coupled at once"
+                yield self._error("driven-and-coupled", message, path, "leave it out of one of the two", key=True)
+            if coupling.follows in self._hand.couplings:
+                message = f"{name} follows {coupling.follows}, which itself follows another joint"
+                yield self._error("wrong-coupling", message, (*path, "follows"), "follow a driven joint")
+            elif coupling.follows not in self._hand.joints:
+                yield self._unknown("joint", coupling.follows, (*path, "follows"), self._hand.joints)
+            elif coupling.ratio == 0.0:
+                yield self._error("wrong-coupling", f"{name} never moves: its ratio is 0", (*path, "ratio"), None)
+            else:
+                yield from self._coupled_range(name, coupling.follows, coupling.ratio)
+
+    def _coupled_range(self, name: str, leader: str, ratio: float) -> Iterator[Diagnostic]:
+        led, leading = self._limits(name), self._limits(leader)
+        if led is None or leading is None:
+            return
+        low, high = sorted(ratio * end for end in leading)
+        if low < led[0] - ROUNDING or high > led[1] + ROUNDING:
+            message = f"{name} would move from {low:g} to {high:g}, beyond its limits {led[0]:g} to {led[1]:g}"
+            yield self._error("wrong-coupling", message, ("couplings", name, "ratio"), f"narrow the limits of {leader}")
+
+    def contacts(self) -> Iterator[Diagnostic]:
+        for name, contact in self._hand.contacts.items():
+            path: Path = ("contacts", name)
+            if not contact.link:
+                message = f"the contact {name} has no link"
+                yield self._error("missing-key", message, path, "name its link and its shape", key=True)
+                continue
+            if contact.link not in self._model.links:
+                yield self._unknown("link", contact.link, (*path, "link"), self._model.links)
+            for place, joint in enumerate(contact.finger):
+                if joint not in self._hand.joints:
+                    yield self._unknown("joint", joint, (*path, "finger", place), self._hand.joints)
+            if contact.cell:
+                yield from self._cell(contact.cell, contact.link, (*path, "cell"))
+
+    def _cell(self, name: str, link: str, path: Path) -> Iterator[Diagnostic]:
+        cell = self._model.joints.get(name)
+        fixed = [joint for joint, found in self._model.joints.items() if found.kind == FIXED]
+        if cell is None:
+            yield self._unknown("joint", name, path, fixed)
+        elif cell.kind != FIXED or cell.child != link:
+            message = f"{name} is no load cell of {link}: it is a {cell.kind} joint before {cell.child}"
+            before = [
+                joint for joint, found in self._model.joints.items() if found.kind == FIXED and found.child == link
+            ]
+            hint = f"use {before[0]}" if before else f"put a fixed joint before {link} in the model"
+            yield self._error("wrong-load-cell", message, path, hint)
+
+    def joint_sets(self) -> Iterator[Diagnostic]:
+        for name, joints in self._hand.joint_sets.items():
+            for place, joint in enumerate(joints):
+                if joint not in self._hand.joints:
+                    yield self._unknown("joint", joint, ("joint_sets", name, place), self._hand.joints)
+
+    def postures(self) -> Iterator[Diagnostic]:
+        for posture, joints in self._hand.postures.items():
+            for name, place in joints.items():
+                path: Path = ("postures", posture, name)
+                limits = self._limits(name)
+                if name not in self._hand.joints:
+                    yield self._unknown("joint", name, path, self._hand.joints, key=True)
+                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
+                    message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
+                    yield self._error("out-of-range", message, path, "keep within the limits of the joint")
+
+    def _limits(self, name: str) -> tuple[float, float] | None:
+        joint: ModelJoint | None = self._model.joints.get(name)
+        return None if joint is None else joint.limits
+
+    def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
+        hint = known_names_hint(name, known, f"{what}s")
+        return self._error(f"unknown-{what}", f"there is no {what} {name!r} in the model", path, hint, key)
+
+    def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
+        span = self._document.key_span(path) if key else self._document.span(path)
+        return Diagnostic(code, message, span=span, hint=hint)
+
+
+ROUNDING = 1e-6  # rad or m

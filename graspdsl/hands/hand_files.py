@@ -1,0 +1,129 @@
+"""A user's own hand: a YAML file beside a URDF, read, held against it and completed."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
+from graspdsl.hands.descriptions import Contact, Hand
+from graspdsl.hands.hand_check import faults
+from graspdsl.hands.robot_model import RobotModel, robot_model
+from graspdsl.spec.document import Document, parse_document
+from graspdsl.spec.named_files import SpecFolder
+from graspdsl.spec.validation import validate_document
+
+SUFFIXES = (".yaml", ".yml")
+
+
+class HandFileError(Exception):
+    """A hand file with faults: its name, its text and what is wrong with it, each with its place there."""
+
+    def __init__(self, name: str, text: str, error: DiagnosticError) -> None:
+        self.name, self.text, self.diagnostics = name, text, error.diagnostics
+        super().__init__(name)
+
+
+@dataclass(frozen=True, slots=True)
+class FoundHand:
+    """A hand that was read from a file, and the text of its URDF, meshes named by where they are."""
+
+    hand: Hand
+    model: str
+
+
+def names_a_file(name: str) -> bool:
+    """Whether the name of a hand is that of a file."""
+    return name.endswith(SUFFIXES)
+
+
+def hand_in(files: SpecFolder, name: str) -> FoundHand:
+    """The hand in a file.
+
+    Raises DiagnosticError when the file cannot be read, HandFileError with every fault in it.
+    """
+    content = files.read(name)
+    text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
+    try:
+        document = parse_document(text, name)
+        hand = validate_document(document, Hand)
+        model = _model(files, name, hand, document)
+        found = faults(hand, model, document)
+        if found:
+            raise DiagnosticError(in_reading_order(found))
+        places = {mesh: _mesh(files, name, hand.urdf, mesh, document) for mesh in model.meshes}
+    except DiagnosticError as error:
+        raise HandFileError(name, text, error) from None
+    return FoundHand(completed(hand, model), model.with_meshes(places))
+
+
+def completed(hand: Hand, model: RobotModel) -> Hand:
+    """A hand with what its file leaves to its model.
+
+    The root is the model's, the palm the root; a finger is all driven joints between root and fingertip; open is the
+    place of each joint that is nearest to 0, closed where the joints that close have gone as far as they can.
+    """
+    limits = {name: model.joints[name].limits or (0.0, 0.0) for name in hand.joints}
+    opened = {name: min(max(0.0, low), high) for name, (low, high) in limits.items()}
+    closed = {
+        name: limits[name][1] if joint.closes > 0 else limits[name][0] if joint.closes < 0 else opened[name]
+        for name, joint in hand.joints.items()
+    }
+    postures = {
+        "open": {**opened, **hand.postures.get("open", {})},
+        "closed": {**closed, **hand.postures.get("closed", {})},
+    }
+    contacts = {name: _with_finger(contact, hand, model) for name, contact in hand.contacts.items()}
+    root = hand.root or model.root
+    changes = {"root": root, "palm": hand.palm or root, "postures": postures, "contacts": contacts}
+    return hand.model_copy(update=changes)
+
+
+def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
+    if contact.finger:
+        return contact
+    before: Mapping[str, tuple[str, str]] = {joint.child: (name, joint.parent) for name, joint in model.joints.items()}
+    chain, link = [], contact.link
+    while link in before:
+        name, link = before[link]
+        chain.append(name)
+    return contact.model_copy(update={"finger": tuple(name for name in reversed(chain) if name in hand.joints)})
+
+
+def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> RobotModel:
+    if not hand.urdf:
+        hint = "name the model: urdf: my_hand.urdf"
+        raise DiagnosticError(
+            [Diagnostic("missing-key", "a hand file names a URDF", document.key_span(("hand",)), hint)]
+        )
+    try:
+        return robot_model(files.read(_beside(name, hand.urdf)), hand.urdf, hand.root)
+    except DiagnosticError as error:
+        raise _at(error, document) from None
+
+
+def _mesh(files: SpecFolder, name: str, urdf: str, mesh: str, document: Document) -> str:
+    """Where a mesh is: beside the URDF, also by the path that it has in its package, with the package's name or not."""
+    whole = mesh.removeprefix("file://").removeprefix("package://")
+    candidates = [whole, whole.partition("/")[2]] if mesh.startswith("package://") else [whole]
+    missing: DiagnosticError | None = None
+    for candidate in candidates:
+        inside = _beside(_beside(name, urdf), candidate)
+        try:
+            files.read(inside)
+            return str(files.place(inside).resolve())
+        except DiagnosticError as error:
+            missing = missing or error
+    assert missing is not None
+    raise _at(missing, document)
+
+
+def _beside(name: str, other: str) -> str:
+    return other if posixpath.isabs(other) else posixpath.join(posixpath.dirname(name), other)
+
+
+def _at(error: DiagnosticError, document: Document) -> DiagnosticError:
+    """The same complaints, at the place where the model is named."""
+    span = document.span(("urdf",))
+    return DiagnosticError([Diagnostic(d.code, d.message, span=span, hint=d.hint) for d in error.diagnostics])
