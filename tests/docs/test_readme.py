@@ -55,7 +55,7 @@ def test_make_knows_the_targets() -> None:
     """What the README tells people to make, the Makefile has, and its demo is the command by hand."""
     makefile = (ROOT / "Makefile").read_text("utf-8")
     targets = [line.split()[1] for line in COMMANDS if line.startswith("make ")]
-    assert targets == ["demo", "test"]
+    assert targets == ["demo", "test", "experiments"]
     assert all(re.search(rf"^{target}:", makefile, flags=re.M) for target in targets)
     [by_hand] = [line for line in COMMANDS if "graspdsl run" in line and line.startswith(".venv")]
     assert by_hand.removeprefix(".venv/bin/") in makefile
