@@ -13,11 +13,10 @@ from matplotlib.figure import Figure
 from graspdsl.arrays import Array
 from graspdsl.report.bands import Band, band
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.figures import SMALL, panels_of
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.statistics import RIGHT_ANGLE, bandwidth, density
 
-WIDTH = 5.4  # in
-SMALL, MEDIUM = 8.0, 8.8  # pt
 STEPS = 400  # points in time that a mean is drawn through
 FAR = 20.0  # times: runs whose lengths differ by more are drawn over a logarithm
 DASHES: Sequence[tuple[int, Sequence[float]]] = ((0, ()), (0, (5, 2)), (0, (1.5, 1.5)), (0, (5, 1.5, 1, 1.5)))
@@ -35,7 +34,7 @@ class Side:
 
 def orientation_figure(sides: Sequence[Side]) -> Figure:
     """Densities of the orientations at the end, one over the other."""
-    figure, (axes,) = _panels(2.9, (1.0,))
+    figure, (axes,) = panels_of(2.9, (1.0,))
     for place, side in enumerate(sides):
         ends = np.array([record.orientation_end for record in side.evidence.records], dtype=float)
         known = ends[np.isfinite(ends)]
@@ -57,7 +56,7 @@ def residual_figure(sides: Sequence[Side]) -> Figure:
 
     A trial that has ended keeps its last residuals. ‖ρ_f‖ above (1), ‖ρ_m‖ below [mm].
     """
-    figure, (above, below) = _panels(4.6, (1.0, 1.0))
+    figure, (above, below) = panels_of(4.6, (1.0, 1.0))
     longest = [_longest(side.evidence) for side in sides]
     known = [length for length in longest if length > 0.0]
     for place, (side, length) in enumerate(zip(sides, longest, strict=True)):
@@ -84,7 +83,7 @@ def residual_figure(sides: Sequence[Side]) -> Figure:
 
 def convergence_figure(sides: Sequence[Side]) -> Figure:
     """The share of each run's finished trials that have converged within so many ticks or probes."""
-    figure, (axes,) = _panels(2.9, (1.0,))
+    figure, (axes,) = panels_of(2.9, (1.0,))
     found = [_ticks(side.evidence) for side in sides]
     latest = [float(ticks[-1]) for ticks in found if len(ticks)]
     end = 1.05 * max(latest, default=1.0)
@@ -143,18 +142,3 @@ def _legend(figure: Figure, axes: Axes) -> None:
     )
     for text in made.get_texts():
         text.set_parse_math(False)
-
-
-def _panels(height: float, ratios: Sequence[float]) -> tuple[Figure, list[Axes]]:
-    """A figure and its panels, one above the other over the same abscissa."""
-    figure = Figure((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
-    grid = {"height_ratios": ratios}
-    panels = list(figure.subplots(len(ratios), 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0])
-    for axes in panels:
-        axes.set_facecolor("none")
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.spines[["left", "bottom"]].set(color=LIGHT["muted"], linewidth=0.7)
-        axes.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
-        axes.xaxis.label.set(color=LIGHT["ink"], fontsize=MEDIUM)
-        axes.yaxis.label.set(color=LIGHT["ink"], fontsize=MEDIUM)
-    return figure, panels

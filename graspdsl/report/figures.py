@@ -36,7 +36,7 @@ class Funnel:
 
 def funnel_figure(funnel: Funnel) -> Figure:
     """Densities of orientation before and after, and the way of each trial from the one to the other."""
-    figure, (above, between, below) = _panels(5.0, (1.5, 1.15, 1.5))
+    figure, (above, between, below) = panels_of(5.0, (1.5, 1.15, 1.5))
     before, after = funnel.before[np.isfinite(funnel.before)], funnel.after[np.isfinite(funnel.after)]
     _density(above, before, "before", "before the controller")
     above.tick_params(axis="x", length=0)  # only the rug, which they would look like
@@ -73,7 +73,7 @@ def residual_figure(
 
     bounds: what the end conditions ask of each; top (2,): the upper ends of the axes, so that figures compare.
     """
-    figure, panels = _panels(5.0, (1.6, 1.6, 0.5))
+    figure, panels = panels_of(5.0, (1.6, 1.6, 0.5))
     labels = ("force residual ‖ρ$_f$‖ (1)", "moment residual ‖ρ$_m$‖ (mm)")
     for axes, curve, label, bound, most in zip(panels, (force, moment), labels, bounds, top, strict=False):
         axes.fill_between(curve.ticks, curve.low, curve.high, color=LIGHT[colour], alpha=0.2, linewidth=0)
@@ -107,7 +107,7 @@ def residual_figure(
 def convergence_figure(ticks: Array, finished: int, *, tick: str) -> Figure:
     """The share of ``finished`` trials that have converged within so many ticks or probes; ticks (n,), one for each
     trial that did."""
-    figure, (axes,) = _panels(2.5, (1.0,))
+    figure, (axes,) = panels_of(2.5, (1.0,))
     ordered = np.sort(ticks)
     longest = 1.08 * float(ordered[-1]) or 1.0
     at = np.concatenate([[0.0], ordered, [longest]])
@@ -123,7 +123,7 @@ def convergence_figure(ticks: Array, finished: int, *, tick: str) -> Figure:
     return figure
 
 
-def _panels(height: float, ratios: Sequence[float]) -> tuple[Figure, list[Axes]]:
+def panels_of(height: float, ratios: Sequence[float]) -> tuple[Figure, list[Axes]]:
     """A figure and its panels, one above the other over the same abscissa."""
     figure = Figure((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
     panels = list(
