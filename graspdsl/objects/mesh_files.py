@@ -135,7 +135,7 @@ def _stl(name: str, content: bytes) -> Trimesh:
     held = (len(content) - BINARY_HEADER) // BINARY_FACE
     text = content.lstrip()[:5].lower() == b"solid" and announced != held
     if not text and announced > held:
-        if announced > MOST_FACES:
+        if announced > MOST_FACES or held < 0:
             raise refusal(
                 "unreadable-mesh", f"{name} is no STL file, neither a binary one nor a text", "export it anew"
             )

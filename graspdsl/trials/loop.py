@@ -20,9 +20,17 @@ from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
 from graspdsl.trials.starts import draws, generator, is_fixed
-from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start, UnstableObjectError, WorldCrashError
+from graspdsl.worlds.protocol import (
+    InfeasibleStartError,
+    Observation,
+    Start,
+    UnreachableStartError,
+    UnstableObjectError,
+    WorldCrashError,
+)
 
 MOST_DRAWS = 500
+OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
 FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
 
 
@@ -117,13 +125,18 @@ class TrialLoop:
         wanted = self._program.spec.trials.start_of(number)
         starts = draws(wanted, self._body, surface, random, floats=floats)
         most = 1 if is_fixed(wanted) else self._most_draws
-        reasons = Counter[str]()
-        for redraws, start in zip(range(most), starts, strict=False):
+        reasons, beyond = Counter[str](), 0
+        start = next(starts)
+        for redraws in range(most):
             try:
                 return start, redraws, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:
                 reasons[str(error)] += 1
-        raise NoFeasibleStartError(most, reasons)
+                beyond += isinstance(error, UnreachableStartError)
+                if beyond == redraws + 1 == MOST_OUT_OF_REACH:
+                    break
+                start = starts.send(isinstance(error, UnreachableStartError) and beyond % OUT_OF_REACH_EACH == 0)
+        raise NoFeasibleStartError(reasons.total(), reasons)
 
     def _phases(self, observation: Observation, log: Logbook) -> Verdict:
         first = observation

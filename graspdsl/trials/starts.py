@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -27,13 +27,13 @@ def generator(seed: int, trial: int) -> np.random.Generator:
 
 def draws(
     start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator, *, floats: bool = False
-) -> Iterator[Start]:
+) -> Generator[Start, bool, None]:
     """Start poses of the hand's mounting face before a standing object at the origin, one after the other.
 
     A world takes the first that it can take up. Since experiments ask how orientations fare, the next draw keeps the
-    orientation and posture of the hand and draws its placement anew; after PLACEMENTS_EACH of them all are drawn anew.
-    Floating contacts have no hand: the world draws them itself. palm_surface [m] is the palm's distance ahead of
-    the mounting face.
+    orientation and posture of the hand and draws its placement anew; after PLACEMENTS_EACH of them, or when it is sent
+    True, all are drawn anew. Floating contacts have no hand: the world draws them itself. palm_surface [m] is the
+    palm's distance ahead of the mounting face.
     """
     if floats:
         while True:
@@ -43,9 +43,9 @@ def draws(
         posture = {name: _value(place, random) for name, place in start.posture.items()}
         for _ in range(PLACEMENTS_EACH):
             placed = {name: _value(getattr(start, name), random) for name in PLACEMENT}
-            yield replace(
-                pose(start.approach or "side", {**oriented, **placed, **posture}, body, palm_surface), posture=posture
-            )
+            drawn = pose(start.approach or "side", {**oriented, **placed, **posture}, body, palm_surface)
+            if (yield replace(drawn, posture=posture)):
+                break
 
 
 def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: float) -> Start:

@@ -21,6 +21,10 @@ class UnstableObjectError(Exception):
     """An object that does not stand by itself where a trial begins."""
 
 
+class UnreachableStartError(InfeasibleStartError):
+    """A start that the arm cannot reach, whatever stands about."""
+
+
 class WorldCrashError(Exception):
     """The simulation left the realm of numbers (not-a-number states) or its engine gave up."""
 

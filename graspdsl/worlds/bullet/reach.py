@@ -11,7 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.basis.algebra import skew
 from graspdsl.basis.rotations import logarithm
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.protocol import InfeasibleStartError
+from graspdsl.worlds.protocol import UnreachableStartError
 
 REACHED = 1e-4  # m or rad
 PRECISION = 1e-9  # the engine tells link poses in single precision
@@ -35,10 +35,10 @@ class ArmReach:
         self._beginnings = random.uniform(self._lower, self._upper, size=(BEGINNINGS, len(self._lower)))
 
     def any_posture(self, joints: Array) -> Array:
-        """Joints that reach the pose, the fingers as in ``joints`` (n,). Raises InfeasibleStartError."""
+        """Joints that reach the pose, the fingers as in ``joints`` (n,). Raises UnreachableStartError."""
         for posture in self._found(joints):
             return posture
-        raise InfeasibleStartError("the arm cannot reach the start pose")
+        raise UnreachableStartError("the arm cannot reach the start pose")
 
     def postures(self, joints: Array) -> list[Array]:
         """All joints found that reach the pose, the most dexterous first."""
