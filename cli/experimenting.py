@@ -9,7 +9,7 @@ from rich.text import Text
 
 from graspdsl.cli.inputs import InputError, reading, sound
 from graspdsl.cli.messages import result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, go_on
+from graspdsl.cli.running import RUNS, begin, carried_on, frames_of, go_on
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic
@@ -45,7 +45,7 @@ def run_experiments(
         with reading(str(folder.path)):
             evidence = gathered(folder)
             found = claims_of(evidence)
-            page = write_report(evidence, claims=as_data(found))
+            page = write_report(evidence, frames=frames_of(evidence), claims=as_data(found))
         claims += found
         reports[program.spec.name] = page.relative_to(whole).as_posix()
     with reading(str(whole)):

@@ -12,7 +12,8 @@ from graspdsl.cli.progress import Progress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import numbers_of
 from graspdsl.spec.files import read_text
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
@@ -91,10 +92,18 @@ def show(folder: RunFolder, as_json: bool) -> None:
     from graspdsl.report.page import write_report
 
     try:
-        say(f"report: {write_report(evidence)}")
+        say(f"report: {write_report(evidence, frames=frames_of(evidence))}")
     except DiagnosticError as error:
         told = [replace(diagnostic, severity=Severity.WARNING) for diagnostic in error.diagnostics]
         complain(str(folder.path), "", told)
+
+
+def frames_of(evidence: Evidence) -> dict[str, bytes]:
+    """A PNG picture of the end of one trial of each outcome, where one can be drawn."""
+    from graspdsl.trials.replay import frame
+
+    shown = {name: frame(evidence.folder, trial.number) for name, trial in representatives(evidence.records).items()}
+    return {name: picture for name, picture in shown.items() if picture is not None}
 
 
 def _kept(folder: RunFolder, command: str) -> str:

@@ -55,7 +55,7 @@ class FloatingWorld:
     ) -> None:
         none = np.zeros(0)
         self.info = WorldInfo(RATE, contacts, (), none, none)
-        self._surface, self._weight, self._axis = surface, weight, np.array(axis)
+        self.surface, self._weight, self._axis = surface, weight, np.array(axis)
         self._ticks = 0
         self._points = np.zeros((len(contacts), 3))
 
@@ -63,19 +63,19 @@ class FloatingWorld:
         """Draw the contacts anew, evenly over the surface."""
         del start  # there is no hand to place
         self._ticks = 0
-        self._points = self._surface.sample(len(self.info.contacts), np.random.default_rng(seed))
+        self._points = self.surface.sample(len(self.info.contacts), np.random.default_rng(seed))
         return self._observe()
 
     def step(self, command: Command) -> Observation:
         """Move the contacts by a displacement (k, 3) [m]."""
         if command.space != "x":
             raise ValueError(f"the floating world moves contacts (x), not {command.space}")
-        self._points = slid(self._surface, self._points, command.displacement)
+        self._points = slid(self.surface, self._points, command.displacement)
         self._ticks += 1
         return self._observe()
 
     def _observe(self) -> Observation:
-        return sensed(self._surface, self._points, self._ticks / RATE, self._weight)
+        return sensed(self.surface, self._points, self._ticks / RATE, self._weight)
 
     def tare(self) -> None:
         """Nothing to tare: floating contacts feel no forces."""
@@ -84,7 +84,7 @@ class FloatingWorld:
         """What is sensed is true here."""
         return Truth(
             points=self._points,
-            normals=-self._surface.normals(self._points),
+            normals=-self.surface.normals(self._points),
             forces=np.zeros_like(self._points),
             object_position=np.zeros(3),
             object_rotation=np.eye(3),

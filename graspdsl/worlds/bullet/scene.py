@@ -10,6 +10,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Sphere
+from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body
 
@@ -82,6 +83,10 @@ class Scene:
         self._engine.resetBasePositionAndOrientation(self.object, *pose, self._client)
         self._engine.resetBaseVelocity(self.object, [0, 0, 0], [0, 0, 0], self._client)
 
+    def put(self, centre: Array, rotation: Array) -> None:
+        """Put the object into a pose as ``object_pose`` tells it."""
+        self._body.place(self._engine, self._client, centre, rotation)
+
     def mark_rest(self) -> None:
         """Take the object's present pose as the one it is compared with."""
         self._rest_up = self.object_pose()[1].T @ UP
@@ -89,6 +94,11 @@ class Scene:
     def object_pose(self) -> tuple[Array, Array]:
         """The object's centre of mass (3,) [m] and the rotation (3, 3) of its body frame."""
         return self._body.pose(self._engine, self._client)
+
+    def object_corners(self) -> Array:
+        """The corners (8, 3) [m] of a box along the axes of the world that the object is in."""
+        low, high = self._engine.getAABB(self.object, physicsClientId=self._client)
+        return box_corners(np.array(low), np.array(high))
 
     def lean(self) -> float:
         """The angle [rad] by which what was up in the object at rest is off the vertical; a ball may roll."""
@@ -167,22 +177,3 @@ class Scene:
         """Names of the robot's links that press on the table; its base stands still and is none of them."""
         contacts = self._engine.getContactPoints(hand.body, self.table, physicsClientId=self._client)
         return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] >= 0 and c[9] > 0.0}))
-
-    def image(self, width: int, height: int) -> Array:
-        """A rendered (height, width, 3) picture, 0…255."""
-        engine = self._engine
-        x, y, z = self.object_pose()[0].tolist()
-        view = engine.computeViewMatrixFromYawPitchRoll([x - 0.05, y, z + 0.02], 0.5, 0, -40, 0, 2)
-        picture = engine.getCameraImage(
-            width,
-            height,
-            view,
-            engine.computeProjectionMatrixFOV(42, width / height, 0.05, 3.0),
-            lightDirection=[-0.8, -0.6, 1.6],
-            lightAmbientCoeff=0.55,
-            lightDiffuseCoeff=0.55,
-            shadow=1,
-            renderer=engine.ER_TINY_RENDERER,
-            physicsClientId=self._client,
-        )
-        return np.asarray(picture[2], dtype=float).reshape(height, width, -1)[:, :, :3]

@@ -41,6 +41,11 @@ class EngineBody:
         position = (origin + self.centre).tolist()
         engine.resetBasePositionAndOrientation(self.index, position, quaternion.tolist(), client)
 
+    def place(self, engine: Any, client: int, centre: Array, rotation: Array) -> None:
+        """Put the centre of mass at (3,) [m] and the shape's frame into a rotation (3, 3), as ``pose`` tells them."""
+        quaternion = Rotation.from_matrix(rotation @ self.axes).as_quat()
+        engine.resetBasePositionAndOrientation(self.index, centre.tolist(), quaternion.tolist(), client)
+
 
 def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody:
     """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free."""
@@ -51,7 +56,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody
     if primitive is None:
         hulls, back = convex_parts(body.shape), (axes.T, -axes.T @ solid.centre)
         collision = _collision(engine, client, [hull.placed(*back) for hull in hulls])
-        visual = _visual(engine, client, [part.placed(*back) for part in shaded(body.shape)])
+        visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
     else:
         collision, visual = primitive
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
@@ -108,7 +113,8 @@ def _wavefront(hulls: Sequence[Hull]) -> str:
     return "\n".join([*lines, ""])
 
 
-def _visual(engine: Any, client: int, surface: Sequence[Shaded]) -> int:
+def visual_of(engine: Any, client: int, surface: Sequence[Shaded]) -> int:
+    """The number of a visual shape of triangles."""
     vertices = np.concatenate([part.vertices for part in surface])
     starts = np.cumsum([0, *(len(part.vertices) for part in surface[:-1])])
     faces = np.concatenate([part.faces + start for part, start in zip(surface, starts, strict=True)])

@@ -13,7 +13,9 @@ from graspdsl.basis.rotations import logarithm
 from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.sensing import LoadCell, TactileSensor
+from graspdsl.worlds.bullet.camera import Picture, taken
 from graspdsl.worlds.bullet.engine import pybullet, silenced
+from graspdsl.worlds.bullet.framing import camera_on_grasp
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.scene import Anchor, Scene
@@ -52,6 +54,14 @@ class BulletSettings:
     table_friction: float = 0.5
 
 
+def root_pose(robot: Robot, start: Start) -> tuple[Array, Array]:
+    """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
+    base = robot.mount.base
+    if base is None:
+        return start.position, Rotation.from_matrix(start.rotation).as_quat()
+    return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()
+
+
 class BulletWorld:
     """A world of rigid bodies under gravity; the fingertips are soft. Rebuilt at each reset, so a trial repeats."""
 
@@ -79,7 +89,8 @@ class BulletWorld:
         if self.settings.anchor is Anchor.NONE:
             pose = resting_pose(self.settings.body, self.settings.table_friction, self.settings.gravity)
             self._scene.place(pose)
-        self.hand = BulletHand(engine, client, self.settings.robot, *self._base(start), self.settings.friction)
+        robot = self.settings.robot
+        self.hand = BulletHand(engine, client, robot, *root_pose(robot, start), self.settings.friction)
         self._target = self._start_posture(start)
         self._stopped = np.zeros(len(self.info.joints), dtype=bool)
         self.hand.place(self._target)
@@ -94,13 +105,6 @@ class BulletWorld:
         self.tare()
         self._scene.mark_rest()
         return self._observe()
-
-    def _base(self, start: Start) -> tuple[Array, Array]:
-        """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
-        base = self.settings.robot.mount.base
-        if base is None:
-            return start.position, Rotation.from_matrix(start.rotation).as_quat()
-        return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()
 
     def _start_posture(self, start: Start) -> Array:
         """The joints (n,) at the start, each finger closed until its tip is about to touch the object.
@@ -242,9 +246,11 @@ class BulletWorld:
             ),
         )
 
-    def image(self, width: int = 640, height: int = 480) -> Array:
+    def image(self, width: int = 640, height: int = 480) -> Picture:
         """A rendered (height, width, 3) picture of the scene, 0…255, with the software renderer."""
-        return self._scene.image(width, height)
+        contacts = range(len(self.hand.tips))
+        camera = camera_on_grasp(self.hand, self._scene, contacts, width, height)
+        return taken(self._engine, self._client, camera)
 
     @property
     def is_open(self) -> bool:
