@@ -241,6 +241,32 @@ def experiments(
     raise typer.Exit(code)
 
 
+@app.command()
+def view(
+    run: Annotated[Path | None, typer.Argument(metavar="RUN", help="The folder of a run.")] = None,
+    trial: Annotated[int, typer.Option(min=0, help="Which trial of it.")] = 0,
+    thing: Annotated[str | None, typer.Option("--object", metavar="NAME", help="An object of the catalogue.")] = None,
+    hand: Annotated[str | None, typer.Option(metavar="NAME", help="A hand of the catalogue.")] = None,
+    images: Annotated[Path | None, typer.Option(metavar="DIR", help="Write pictures (PNG) into this folder.")] = None,
+    video: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a film (.mp4) of the trial.")] = None,
+    frames: Annotated[int, typer.Option(min=1, max=1000, help="How many pictures of a trial.")] = 6,
+) -> None:
+    """Look at a trial, an object or a hand: in a window, as pictures or as a film."""
+    if sum(chosen is not None for chosen in (run, thing, hand)) != 1:
+        raise typer.BadParameter("give one of RUN, --object and --hand", param_hint="RUN")
+    if run is None and video is not None:
+        raise typer.BadParameter("only a trial can be filmed", param_hint="--video")
+    with answering():
+        from graspdsl.cli import viewing
+
+        if run is not None:
+            viewing.view_trial(run, trial, images, video, frames)
+        elif thing is not None:
+            viewing.view_object(thing, images)
+        else:
+            viewing.view_hand(hand or "", images)
+
+
 class Kind(enum.StrEnum):
     """What can be listed."""
 

@@ -60,7 +60,8 @@ class Camera:
         ones = np.ones((*points.shape[:-1], 1))
         clip = np.concatenate([points, ones], axis=-1) @ (self.projection @ self.view).T
         seen = clip[..., :2] / np.maximum(clip[..., 3:], TINY)
-        return (np.array([1.0, 1.0]) + seen * np.array([1.0, -1.0])) / 2 * np.array([self.width, self.height])
+        corner = np.array([1.0, 1.0]) + seen * np.array([1.0, -1.0])
+        return np.asarray(corner / 2 * np.array([self.width, self.height]))
 
 
 def camera_on(points: Array, direction: Array, width: int, height: int) -> Camera:
@@ -125,4 +126,4 @@ def taken(engine: Any, client: int, camera: Camera) -> Picture:
     backdrop = (SKY + down * (GROUND - SKY))[:, None, :]
     whole = np.where(nothing[:, :, None], backdrop, seen)
     fine = whole.reshape(camera.height, OVERSAMPLING, camera.width, OVERSAMPLING, 3)
-    return np.round(fine.mean(axis=(1, 3))).astype(np.uint8)
+    return np.asarray(np.round(fine.mean(axis=(1, 3))), dtype=np.uint8)

@@ -35,6 +35,7 @@ from graspdsl.worlds.protocol import (
 CONTROL_RATE = 50.0  # Hz
 PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
 SETTLE_TICKS = 10
+TABLE_FRICTION = 0.5
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
 CLOSING_STEP = 0.02  # rad
 MOST_AHEAD = 0.05  # rad or m, of a target before its joint
@@ -51,7 +52,7 @@ class BulletSettings:
     sensing: TactileSensor = field(default_factory=LoadCell)
     anchor: Anchor = Anchor.NONE
     gravity: float = 9.81
-    table_friction: float = 0.5
+    table_friction: float = TABLE_FRICTION
 
 
 def root_pose(robot: Robot, start: Start) -> tuple[Array, Array]:

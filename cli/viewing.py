@@ -1,0 +1,161 @@
+"""Trials, objects and hands to look at: in the engine's window, as pictures, as a film."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from graspdsl.cli.inputs import InputError, reading
+from graspdsl.cli.messages import printable, result, say
+from graspdsl.cli.running import opened
+from graspdsl.diagnostics import Diagnostic, known_names_hint
+from graspdsl.hands.descriptions import hands, robot
+from graspdsl.objects.shapes import catalogue
+from graspdsl.report.writing import replace
+from graspdsl.trials.replay import Replay, evenly
+from graspdsl.trials.setup import GRAVITY
+from graspdsl.worlds.annotations import annotated, png
+from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
+from graspdsl.worlds.bullet.world import TABLE_FRICTION
+
+SIZE = (640, 480)
+FILM_RATE = 10  # pictures a second
+MOUNT = "gantry"
+
+
+def view_trial(run: Path, number: int, images: Path | None, video: Path | None, count: int) -> None:
+    """Replay a trial of a run: pictures evenly over it, a film in its own time, or the window."""
+    folder = opened(run)
+    in_window = images is None and video is None
+    if in_window:
+        _needs_display(str(run))
+    if video is not None:
+        _needs_film_maker(video)
+    with reading(str(run)), Replay(folder, number, width=SIZE[0], height=SIZE[1], window=in_window) as replay:
+        if in_window:
+            _play(replay)
+        if images is not None:
+            ticks = evenly(replay.ticks, count)
+            _write(images, {f"trial-{number}-{tick:05d}.png": png(replay.picture(tick)) for tick in ticks})
+        if video is not None:
+            _film(video, replay)
+
+
+def view_object(name: str, images: Path | None) -> None:
+    """An object as it stands on the table."""
+    known = catalogue()
+    if name not in known:
+        raise InputError(name, "", [Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))])
+    if images is None:
+        _needs_display(name)
+    with ObjectStudio(known[name], TABLE_FRICTION, GRAVITY, window=images is None) as studio:
+        if images is None:
+            _stay(studio)
+        else:
+            _write(images, {f"{name}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [name]))})
+
+
+def view_hand(name: str, images: Path | None) -> None:
+    """A hand, open and closed."""
+    known = {hand: found for hand, found in hands().items() if found.urdf}
+    if name not in known:
+        raise InputError(name, "", [Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))])
+    if images is None:
+        _needs_display(name)
+    shown = robot(name, MOUNT)
+    postures = {
+        posture: np.array([shown.hand.postures[posture].get(joint, 0.0) for joint in shown.joints])
+        for posture in ("open", "closed")
+    }
+    with HandStudio(shown, window=images is None) as studio:
+        if images is None:
+            studio.show(postures["open"])
+            _stay(studio)
+            return
+        camera = studio.camera(list(postures.values()), *SIZE)
+        pictures = {}
+        for posture, joints in postures.items():
+            studio.show(joints)
+            pictures[f"{name}-{posture}.png"] = png(annotated(studio.picture(camera), [], [f"{name}, {posture}"]))
+        _write(images, pictures)
+
+
+def _play(replay: Replay) -> None:
+    """A trial in the window, in its own time; then it stays until the window is closed."""
+    times = replay.rows["time"]
+    for tick in range(replay.ticks):
+        if not replay.studio.is_open:
+            return
+        replay.show(tick)
+        time.sleep(float(times[tick] - times[max(0, tick - 1)]))
+    _stay(replay.studio)
+
+
+def _stay(studio: Studio) -> None:
+    say("close the window to end")
+    while studio.is_open:
+        time.sleep(0.1)
+
+
+def _film(place: Path, replay: Replay) -> None:
+    """A film of a trial in its own time."""
+    from imageio_ffmpeg import write_frames
+
+    ends = np.arange(0.0, float(replay.rows["time"][-1]), 1.0 / FILM_RATE)
+    ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
+    draft = place.with_name(f"{place.stem}.{os.getpid()}.new{place.suffix}")
+    width, height = SIZE
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        film = write_frames(str(draft), (width, height), fps=FILM_RATE, macro_block_size=1)
+        film.send(None)
+        for tick in ticks:
+            film.send(np.asarray(replay.picture(int(tick)).convert("RGB").resize(SIZE)).tobytes())
+        film.close()
+        draft.replace(place)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        fault = Diagnostic("file-not-writable", f"cannot write this file: {reason}")
+        raise InputError(str(place), "", [fault]) from None
+    finally:
+        draft.unlink(missing_ok=True)
+    result(printable(str(place)))
+
+
+def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
+    with reading(str(folder)):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            reason = (error.strerror or "unknown reason").lower()
+            fault = Diagnostic("folder-not-writable", f"cannot write to this folder: {reason}")
+            raise InputError(str(folder), "", [fault]) from None
+        replace(folder, pictures)
+    for name in pictures:
+        result(printable(str(folder / name)))
+
+
+def _needs_display(name: str) -> None:
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        hint = "write pictures with --images DIR, or a film of a trial with --video FILE"
+        raise InputError(name, "", [Diagnostic("no-display", "there is no display for a window", hint=hint)])
+
+
+def _needs_film_maker(place: Path) -> None:
+    if place.suffix != ".mp4":
+        raise InputError(str(place), "", [Diagnostic("unknown-suffix", "a film's name ends in .mp4", hint="rename it")])
+    try:
+        import imageio_ffmpeg  # noqa: F401
+    except ImportError:
+        hint = "install it: pip install 'graspdsl[video]'"
+        fault = Diagnostic("not-installed", "films need imageio-ffmpeg", hint=hint)
+        raise InputError(str(place), "", [fault]) from None
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    return known_names_hint(name, known, "names")

@@ -1,0 +1,132 @@
+"""Pictures and films of trials, objects and hands."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from graspdsl.compiler.program import program_of
+from graspdsl.trials.replay import Replay, frame
+from graspdsl.trials.runner import execute, new_run
+from graspdsl.trials.store import RunFolder
+from graspdsl.worlds.bullet.replay import GraspStudio
+
+from .program import ROOT, SPEC, graspdsl
+
+QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
+FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
+
+
+def made(place: Path, spec: Path, *overrides: str) -> RunFolder:
+    """A run of a spec."""
+    text = spec.read_text("utf-8")
+    folder = new_run(place, program_of(text, spec.name, overrides), text, spec.name, overrides)
+    execute(folder, workers=1)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    """Two short trials of the main experiment."""
+    return made(tmp_path_factory.mktemp("runs") / "run", SPEC, *QUICK)
+
+
+def test_fingertips_are_where_they_touched(folder: RunFolder) -> None:
+    """Replayed without physics, a fingertip that touched is at the object's surface, soft as it is."""
+    with Replay(folder, 0) as replay:
+        assert isinstance(replay.studio, GraspStudio)
+        checked = 0
+        for tick in range(0, replay.ticks, 7):
+            replay.show(tick)
+            touching = replay.rows["touching"][tick].astype(bool)
+            assert np.abs(replay.studio.tip_distances()[touching]).max(initial=0.0) < 2e-3
+            checked += int(touching.sum())
+        assert checked > 10
+
+
+def test_arrows_begin_at_the_contacts(folder: RunFolder) -> None:
+    with Replay(folder, 0) as replay:
+        last = replay.ticks - 1
+        touching = np.flatnonzero(replay.rows["touching"][last])
+        arrows = replay.arrows(last)
+        starts = replay.camera.pixels(replay.rows["points"][last][touching].astype(float))
+        assert len(arrows) == 2 * len(touching)
+        assert all(np.allclose(arrow.start, place) for arrow, place in zip(arrows[::2], starts, strict=True))
+        assert ((starts > 0) & (starts < [replay.camera.width, replay.camera.height])).all()
+
+
+def test_a_frame_is_a_picture_or_nothing(folder: RunFolder, tmp_path: Path) -> None:
+    drawn = frame(folder, 1)
+    assert drawn is not None
+    picture = Image.open(io.BytesIO(drawn))
+    assert picture.format == "PNG"
+    assert len(set(picture.convert("L").getdata())) > 20
+    assert frame(folder, 7) is None
+    lost = made(tmp_path / "lost", SPEC, *QUICK[1:], "trials.count=1")
+    lost.trajectory_file(0).write_bytes(b"nothing")
+    assert frame(lost, 0) is None
+
+
+def test_floating_contacts_have_a_frame_too(tmp_path: Path) -> None:
+    assert frame(made(tmp_path / "floating", FLOATING, "trials.count=1"), 0) is not None
+
+
+def test_pictures_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
+    done = graspdsl("view", folder.path, "--trial", 1, "--images", tmp_path / "seen", "--frames", 3, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    files = sorted((tmp_path / "seen").iterdir())
+    assert [str(file) for file in files] == done.stdout.split()
+    assert len(files) == 3
+    assert files[0].name.endswith("-00000.png")
+
+
+def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
+    film = tmp_path / "trial.mp4"
+    done = graspdsl("view", folder.path, "--video", film, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(film))
+    assert frames == pytest.approx(10 * float(folder.trajectory(0)["time"][-1]), abs=2)
+    assert seconds == pytest.approx(frames / 10, abs=0.2)
+    assert [file.name for file in tmp_path.iterdir()] == ["trial.mp4"]
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (("--object", "squirt-bottle"), ["squirt-bottle.png"]),
+        (("--hand", "trio"), ["trio-closed.png", "trio-open.png"]),
+    ],
+)
+def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: Path) -> None:
+    done = graspdsl("view", *words, "--images", tmp_path / "seen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert sorted(file.name for file in (tmp_path / "seen").iterdir()) == names
+
+
+def test_what_cannot_be_seen_is_said(folder: RunFolder, tmp_path: Path) -> None:
+    for words, code in (
+        ((folder.path, "--trial", 9, "--images", "x"), "unknown-trial"),
+        ((tmp_path, "--images", "x"), "not-a-run"),
+        ((folder.path, "--video", "film.avi"), "unknown-suffix"),
+        (("--object", "bottel", "--images", "x"), "unknown-object"),
+        (("--hand", "points", "--images", "x"), "unknown-hand"),
+        ((folder.path, "--images", SPEC), "folder-not-writable"),
+    ):
+        done = graspdsl("view", *words, cwd=tmp_path)
+        assert done.returncode == 1
+        assert f"error[{code}]" in done.stderr
+    assert graspdsl("view", cwd=tmp_path).returncode == 2
+
+
+@pytest.mark.skipif("DISPLAY" in os.environ, reason="there is a display, and a window would open")
+def test_without_a_display_there_is_no_window(folder: RunFolder, tmp_path: Path) -> None:
+    done = graspdsl("view", folder.path, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "error[no-display]" in done.stderr
+    assert "--images" in done.stderr
