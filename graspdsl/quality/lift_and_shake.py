@@ -114,7 +114,7 @@ class _Test:
         self._raised = path(math.inf)
         risen = float(self._world.truth().object_position[2]) - rest
         if held.kept and risen < handling.height - handling.slip:
-            return dataclasses.replace(held, kept=False, reason=f"the object rose by {_millimetres(risen)} only")
+            return dataclasses.replace(held, kept=False, reason="the object did not rise with the hand")
         return held
 
     def shake(self) -> Held:
@@ -140,7 +140,8 @@ class _Test:
                 break
         points = self._world.truth().points[self._contacts]
         touching = int(np.isfinite(points).all(axis=1).sum())
-        reason = "" if lost_at is None else f"the object slipped {_millimetres(largest)} after {lost_at:.2f} s"
+        slip = f"{1000 * self._handling.slip:.0f} mm"
+        reason = "" if lost_at is None else f"the object slipped by more than {slip}"
         return Held(lost_at is None, reason, largest, touching, lost_at, self._squeeze)
 
     def _in_palm(self) -> Array:
@@ -151,7 +152,3 @@ class _Test:
 
     def _ticks(self, duration: float) -> int:
         return round(duration * self._world.info.rate)
-
-
-def _millimetres(metres: float) -> str:
-    return f"{1000 * metres:.0f} mm"
