@@ -69,6 +69,7 @@ class Hand(Model):
     hand: str
     about: str = ""
     urdf: str = ""
+    mjcf: str = ""
     root: str = ""
     palm: str = ""
     palm_surface: float = Field(0.0, description="m ahead of the mounting face, along its z axis")
@@ -142,7 +143,11 @@ class Robot(Model):
 
 @cache
 def _model(file: str) -> str:
-    return (HERE / file).read_text("utf-8")
+    """The text of a URDF, meshes named by where they are beside it."""
+    tree = ElementTree.parse(HERE / file).getroot()
+    for mesh in tree.iter("mesh"):
+        mesh.set("filename", str((HERE / file).parent / mesh.get("filename", "")))
+    return ElementTree.tostring(tree, encoding="unicode")
 
 
 def _catalogue(kind: str) -> Iterator[tuple[str, object]]:

@@ -76,7 +76,13 @@ def completed(hand: Hand, model: RobotModel) -> Hand:
     }
     contacts = {name: _with_finger(contact, hand, model) for name, contact in hand.contacts.items()}
     root = hand.root or model.root
-    changes = {"root": root, "palm": hand.palm or root, "postures": postures, "contacts": contacts}
+    changes = {
+        "urdf": hand.urdf or hand.mjcf,
+        "root": root,
+        "palm": hand.palm or root,
+        "postures": postures,
+        "contacts": contacts,
+    }
     return hand.model_copy(update=changes)
 
 
@@ -92,13 +98,18 @@ def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
 
 
 def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> RobotModel:
-    if not hand.urdf:
+    file = hand.urdf or hand.mjcf
+    if bool(hand.urdf) == bool(hand.mjcf):
         hint = "name the model: urdf: my_hand.urdf"
         raise DiagnosticError(
-            [Diagnostic("missing-key", "a hand file names a URDF", document.key_span(("hand",)), hint)]
+            [
+                Diagnostic(
+                    "missing-key", "a hand file names one model, a URDF or a MJCF", document.key_span(("hand",)), hint
+                )
+            ]
         )
     try:
-        return robot_model(files.read(_beside(name, hand.urdf)), hand.urdf, hand.root)
+        return robot_model(files.read(_beside(name, file)), file, hand.root)
     except DiagnosticError as error:
         raise _at(error, document) from None
 
@@ -125,5 +136,5 @@ def _beside(name: str, other: str) -> str:
 
 def _at(error: DiagnosticError, document: Document) -> DiagnosticError:
     """The same complaints, at the place where the model is named."""
-    span = document.span(("urdf",))
+    span = document.span(("mjcf",) if "mjcf" in document.data else ("urdf",))
     return DiagnosticError([Diagnostic(d.code, d.message, span=span, hint=d.hint) for d in error.diagnostics])

@@ -1,4 +1,4 @@
-"""The model file of a hand, a URDF: its links and joints, and the part of it below a root."""
+"""The model file of a hand, a URDF or MJCF: its links and joints, and the part of it below a root."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class RobotModel:
 
 
 def robot_model(content: bytes, name: str, root: str) -> RobotModel:
-    """The model in a URDF file, without what is not below ``root`` (empty: all of it).
+    """The model in a URDF or MJCF file, without what is not below ``root`` (empty: all of it).
 
     Raises DiagnosticError for what is no URDF, for a root that is not there, and for links that form no tree.
     """
@@ -83,7 +83,12 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
     except (ValueError, LookupError) as error:  # an unknown or wrong encoding
         raise refusal("not-a-urdf", f"{name} is no XML: {error}", None) from None
     if tree.tag == "mujoco":
-        raise refusal("not-a-urdf", f"{name} is MJCF, which is not read yet", "convert it to URDF")
+        from graspdsl.hands.mjcf import urdf_of_mjcf
+
+        try:
+            return urdf_of_mjcf(tree, name)
+        except ValueError as error:
+            raise refusal("not-in-mjcf", f"{name}: a number cannot be read: {error}", None) from None
     if tree.tag != "robot":
         raise refusal("not-a-urdf", f"{name} is no URDF: its root is <{tree.tag}>, not <robot>", None)
     return tree

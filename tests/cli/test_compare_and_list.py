@@ -18,7 +18,12 @@ SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 
 @pytest.mark.parametrize(
     ("kind", "names"),
-    [("potentials", POTENTIALS), ("sensors", SENSORS), ("effectors", EFFECTORS), ("hands", ["barrett", "points"])],
+    [
+        ("potentials", POTENTIALS),
+        ("sensors", SENSORS),
+        ("effectors", EFFECTORS),
+        ("hands", ["barrett", "points", "trio"]),
+    ],
 )
 def test_lists_name_what_there_is(kind: str, names: list[str], tmp_path: Path) -> None:
     """Every entry of a table is listed, on a terminal and as data."""

@@ -123,7 +123,7 @@ def test_each_fault_has_its_place(tmp_path: Path, changes: dict[str, object], co
 MODELS = (
     ({"urdf": "<robot><link name='a'>"}, "line 1"),
     ({"urdf": "<!DOCTYPE robot [<!ENTITY a 'aaaa'>]><robot/>"}, "document type"),
-    ({"urdf": "<mujoco/>"}, "MJCF"),
+    ({"urdf": "<mujoco/>"}, "0 bodies"),
     ({"urdf": "<html/>"}, "<html>"),
     ({"mesh": "<visual><geometry><mesh filename='no.stl'/></geometry></visual>"}, "no.stl"),
     ({"lower": "2"}, "leave no room"),
