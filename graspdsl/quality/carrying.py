@@ -8,7 +8,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import damped_pseudo_inverse
-from graspdsl.basis.rotations import logarithm
+from graspdsl.basis.rotations import exponential, logarithm
 from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.squeeze import Squeeze
 from graspdsl.worlds.protocol import Command, Observation, PalmWorld
@@ -20,8 +20,8 @@ DAMPING = 1e-3
 class Carrier:
     """A hand that holds on with some of its contacts and keeps the orientation of its palm.
 
-    Only the mount's joints move the palm, through the damped pseudo-inverse of its Jacobian; only the fingers' joints
-    squeeze. The world keeps joints within their limits.
+    The mount's joints move the palm along the path, through the damped pseudo-inverse of its Jacobian; where the palm
+    goes to squeeze is added to the path. The world keeps joints within their limits.
     """
 
     def __init__(self, world: PalmWorld, robot: Robot, contacts: Sequence[int]) -> None:
@@ -53,6 +53,9 @@ class Carrier:
         motion = np.concatenate([offset - self._offset + FEEDBACK * behind, FEEDBACK * turned])
         mount = palm.jacobian[:, : self._mount_joints]
         step = self._squeeze.displacement(self.observation, squeeze)
-        step[: self._mount_joints] = damped_pseudo_inverse(DAMPING, mount) @ motion
+        given_way = palm.jacobian @ step
+        step[: self._mount_joints] += damped_pseudo_inverse(DAMPING, mount) @ motion
         self._offset = offset
+        self._start = self._start + given_way[:3]
+        self._rotation = exponential(given_way[3:]) @ self._rotation
         self.observation = self._world.step(Command("q", step))

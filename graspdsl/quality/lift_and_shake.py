@@ -24,15 +24,14 @@ UP = AXES[2]
 class Handling:
     """How a grasp is tested. Forces in N, lengths in m, times in s, frequency in Hz.
 
-    squeeze: the mean normal force of the fingers, reached in ``ramp``; height, in ``rise``, then ``hold``. The shake
-    goes along the world's x, y and z in turn, ``cycles`` each. slip: how far the part of the object between the
-    contacts may move in the palm's frame; an object that only swings about its contacts has not slipped.
-
-    8 N make a soft tip of 1500 N/m give by half its radius; more than that it cannot take.
+    squeeze: the largest normal force of a fingertip, reached in ``ramp``, by default what a Barrett finger can press
+    for long; height, in ``rise``, then ``hold``. The shake goes along the world's x, y and z in turn, ``cycles`` each.
+    slip: how far the part of the object between the contacts may move in the palm's frame; an object that only swings
+    about its contacts has not slipped.
     """
 
-    squeeze: float = 8.0
-    ramp: float = 1.0
+    squeeze: float = 15.0
+    ramp: float = 2.0
     height: float = 0.10
     rise: float = 1.0
     hold: float = 1.0
@@ -105,14 +104,14 @@ class _Test:
 
     def lift(self) -> Held:
         handling = self._handling
-        rest = float(self._world.truth().object_position[2])
+        rest = self._held_part()[2]
 
         def path(time: float) -> Array:
             return np.asarray(handling.height * rise(time / handling.rise) * UP)
 
         held = self._carry(path, handling.rise + handling.hold)
         self._raised = path(math.inf)
-        risen = float(self._world.truth().object_position[2]) - rest
+        risen = self._held_part()[2] - rest
         if held.kept and risen < handling.height - handling.slip:
             return dataclasses.replace(held, kept=False, reason="the object did not rise with the hand")
         return held
@@ -145,10 +144,14 @@ class _Test:
         return Held(lost_at is None, reason, largest, touching, lost_at, self._squeeze)
 
     def _in_palm(self) -> Array:
-        """Where the part of the object that was between the contacts is in the palm's frame (3,) [m]."""
-        palm, truth = self._world.palm(), self._world.truth()
-        held = truth.object_position + truth.object_rotation @ self._between
-        return np.asarray(palm.rotation.T @ (held - palm.position))
+        """Where the held part of the object is in the palm's frame (3,) [m]."""
+        palm = self._world.palm()
+        return np.asarray(palm.rotation.T @ (self._held_part() - palm.position))
+
+    def _held_part(self) -> Array:
+        """Where the part of the object is (3,) [m] that was between the contacts."""
+        truth = self._world.truth()
+        return np.asarray(truth.object_position + truth.object_rotation @ self._between)
 
     def _ticks(self, duration: float) -> int:
         return round(duration * self._world.info.rate)

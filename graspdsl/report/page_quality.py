@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from graspdsl.quality.lift_and_shake import Handling
 from graspdsl.report.page_tables import Cell, PageTable, counted_cell, words
 from graspdsl.report.wording import NOTHING, percent, percents
+
+HANDLING = Handling()
 
 # What each grade is, in the terms of the literature.
 DEFINITIONS: Mapping[str, str] = {
     "force_closure": "Force closure: the contacts' friction cones can balance any wrench on the object.",
     "ferrari_canny": "Ferrari and Canny's ε: the radius of the largest ball of wrenches about the origin that the "
     "grasp can balance with contact forces of bounded size; volume: that of the set of all wrenches it can balance.",
-    "lift": "Lift: the object stays in the hand when it is raised.",
-    "shake": "Shake: the object stays in the hand when it is shaken.",
+    "lift": f"Lift: squeezed until the strongest fingertip presses with {HANDLING.squeeze:g} N and raised by "
+    f"{100 * HANDLING.height:g} cm, the object moves by less than {1000 * HANDLING.slip:g} mm between the contacts.",
+    "shake": f"Shake: the same, shaken by {100 * HANDLING.amplitude:g} cm at {HANDLING.frequency:g} Hz "
+    f"({HANDLING.acceleration:.2g} m/s²) along three axes.",
     "confusion": "Grades against one another: how many trials passed or failed both, or one of the two.",
 }
 

@@ -198,7 +198,7 @@ class Proximity(SampledSensor):
     """Infrared sensors in each fingertip: the distance of the nearest surface, and where on the tip it is nearest.
 
     It knows the normal before it touches. It cannot measure force: a tip of known stiffness that is dented by some
-    depth is pressed by stiffness times depth, and that is the force that the controller gets, along the normal. There
+    depth is pressed as its compliance says, and that is the force that the controller gets, along the normal. There
     is nothing to tare at a distance: the bias stays. It sees the object only. One may expect distance_noise 5e-5 m and
     direction_noise 0.05 rad at 500 Hz, distance_bias 2e-5 m, direction_bias 0.01 rad and distance_quantum 1e-5 m. A
     filter would make it believe that what comes nearer is farther off.
@@ -214,7 +214,7 @@ class Proximity(SampledSensor):
         default=0.05, description="the distance (m) within which surfaces are sensed"
     )
     stiffness: Annotated[Number, Unit("N/m"), Field(gt=0.0, le=1e6)] = Field(
-        default=1500.0, description="stiffness (N/m) of the tip that turns its dent into a force"
+        default=1500.0, description="stiffness (N/m) of the tip under light forces, which turns its dent into a force"
     )
     distance_noise: Gaps = Field(default=0.0, description="white noise of a sample's distance, standard deviation (m)")
     direction_noise: Radians = Field(

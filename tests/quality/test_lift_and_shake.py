@@ -15,13 +15,14 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.setup import trial_loop
 
 MAIN = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
+EXPERIMENTS = MAIN.parent / "experiments"
 FAIR = "trials.start={roll: 0.1, height: 0.10, standoff: 0.047}"
 
 
-def graded(*overrides: str) -> TrialRecord:
-    """The record of a trial of the main experiment from a fair start, with grades."""
+def graded(*overrides: str, spec: Path = MAIN) -> TrialRecord:
+    """The record of a trial from a fair start, with grades."""
     settings = ("evaluate=[lift, shake]", FAIR, "scene.friction=0.5", *overrides)
-    return trial_loop(program_of(MAIN.read_text("utf-8"), MAIN.name, settings)).run(0, 1).record
+    return trial_loop(program_of(spec.read_text("utf-8"), spec.name, settings)).run(0, 1).record
 
 
 @pytest.mark.parametrize("mount", ["gantry", "wam"])
@@ -34,9 +35,20 @@ def test_a_converged_grasp_is_kept(mount: str) -> None:
     assert lift["squeeze"] == pytest.approx(Handling().squeeze, rel=0.1)
 
 
+@pytest.mark.parametrize("name", ["3_squirt_bottle", "4_detergent_bottle"])
+@pytest.mark.parametrize("height", [0.08, 0.13])
+def test_a_bottle_does_not_creep_in_the_hand(name: str, height: float) -> None:
+    """Their centres of mass lie off the line between the contacts, so that friction bears moments too."""
+    where = f"trials.start={{approach: side, roll: 0.5, height: {height}, standoff: 0.05}}"
+    record = graded(where, spec=EXPERIMENTS / f"{name}.yaml")
+    assert record.quality["lift"]["displacement"] < 0.002, record.quality
+    assert record.quality["shake"]["displacement"] < 0.010, record.quality
+    assert record.quality["shake"]["kept"]
+
+
 @pytest.mark.parametrize("change", ["scene.friction=0.1", "scene.object={like: towel-roll, mass: 3.0}"])
 def test_what_friction_cannot_carry_is_dropped(change: str) -> None:
-    """Normal forces of 24 N in all carry no more than 2.4 N at a friction of 0.1, and 12 N at 0.5."""
+    """Normal forces of 30 N in all carry no more than 3 N at a friction of 0.1, and 15 N at 0.5."""
     record = graded(change)
     assert not record.quality["lift"]["kept"]
     assert record.quality["lift"]["reason"]
@@ -46,7 +58,7 @@ def test_what_friction_cannot_carry_is_dropped(change: str) -> None:
 def test_a_thumb_against_two_fingers_bears_what_both_do() -> None:
     points = np.array([[0.0, 0.05, 0.0], [-0.03, -0.05, 0.0], [0.03, -0.05, 0.0]])
     normals = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
-    np.testing.assert_allclose(balanced_forces(points, normals), [1.5, 0.75, 0.75], atol=1e-6)
+    np.testing.assert_allclose(balanced_forces(points, normals), [1.0, 0.5, 0.5], atol=1e-6)
 
 
 def test_the_hand_starts_and_stops_at_rest() -> None:

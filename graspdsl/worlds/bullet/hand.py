@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,9 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.worlds.bullet.assembly import assembled_urdf
+from graspdsl.worlds.fingertip_compliance import DAMPING, stiffness_under
 from graspdsl.worlds.protocol import Palm
 
-TIP_STIFFNESS = 1500.0  # N/m: soft fingertips, about a third of a millimetre at 0.5 N
-TIP_DAMPING = 30.0  # N·s/m
 PASSIVE_EFFORT = 50.0
 
 
@@ -76,12 +76,26 @@ class BulletHand:
                 self.body,
                 tip.link,
                 lateralFriction=friction,
-                contactStiffness=TIP_STIFFNESS,
-                contactDamping=TIP_DAMPING,
                 physicsClientId=client,
             )
             if tip.cell is not None:
                 engine.enableJointForceTorqueSensor(self.body, tip.cell, True, physicsClientId=client)
+        self._stiffnesses = [0.0] * len(self.tips)
+        self.press([0.0] * len(self.tips))
+
+    def press(self, presses: Sequence[float]) -> None:
+        """Give the fingertips the stiffness that belongs to the normal forces [N] they press with."""
+        for row, (tip, press) in enumerate(zip(self.tips, presses, strict=True)):
+            stiffness = stiffness_under(press)
+            if stiffness != self._stiffnesses[row]:
+                self._stiffnesses[row] = stiffness
+                self._engine.changeDynamics(
+                    self.body,
+                    tip.link,
+                    contactStiffness=stiffness,
+                    contactDamping=DAMPING,
+                    physicsClientId=self._client,
+                )
 
     def _read_joints(self) -> None:
         engine, client = self._engine, self._client

@@ -34,6 +34,7 @@ from graspdsl.worlds.protocol import (
 
 CONTROL_RATE = 50.0  # Hz
 PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
+SOLVER_ITERATIONS = 200  # at the engine's own 50, friction has not converged and what is held creeps in the hand
 SETTLE_TICKS = 10
 TABLE_FRICTION = 0.5
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
@@ -84,7 +85,9 @@ class BulletWorld:
             self._client = engine.connect(engine.DIRECT)
         client = self._client
         engine.setTimeStep(TIME_STEP, client)
-        engine.setPhysicsEngineParameter(deterministicOverlappingPairs=1, physicsClientId=client)
+        engine.setPhysicsEngineParameter(
+            deterministicOverlappingPairs=1, numSolverIterations=SOLVER_ITERATIONS, physicsClientId=client
+        )
         engine.setGravity(0, 0, -self.settings.gravity, client)
         self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
         if self.settings.anchor is Anchor.NONE:
@@ -182,6 +185,7 @@ class BulletWorld:
         before, self._target = self._target, np.clip(wanted, self.info.lower, self.info.upper)
         self._stopped |= wanted != self._target
         self._simulate(before)
+        self.hand.press([float(forces.sum()) for _, forces in self._scene.tip_presses(self.hand)])
         self._ticks += 1
 
     def _simulate(self, before: Array | None = None) -> None:

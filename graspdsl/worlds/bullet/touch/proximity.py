@@ -9,6 +9,7 @@ from graspdsl.spec.sensing import Proximity
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.touch.sensor import Clock, Contact, Frames, signal_of
+from graspdsl.worlds.fingertip_compliance import force_of_dent
 from graspdsl.worlds.fingertip_surfaces import fingertip_surface
 from graspdsl.worlds.sensor_signal import Flaws
 
@@ -69,9 +70,9 @@ class ProximitySensors:
         """There is nothing at rest to take as zero."""
 
     def strengths(self, step: int, frames: Frames) -> Array:
-        """Stiffness times dent (k,) [N]."""
+        """The forces (k,) [N] that the dents take."""
         self._readings, self._frames = self._signal.read(step), frames
-        return np.asarray(np.maximum(0.0, -self._spec.stiffness * self._readings[:, 0]))
+        return force_of_dent(-self._readings[:, 0], self._spec.stiffness)
 
     def _place(self, tip: int) -> Array:
         """The place on the surface that is nearest to the object, from the centre, in the tip's frame."""
@@ -83,8 +84,8 @@ class ProximitySensors:
         from_centre = self._place(tip)
         place = self._hand.tips[tip].centre + from_centre
         normal = rotation @ self._surfaces[tip].normal(from_centre)
-        force = -self._spec.stiffness * self._readings[tip, 0] * normal
-        return Contact(place, origin + rotation @ place, normal, force)
+        force = force_of_dent(-self._readings[tip, 0], self._spec.stiffness)
+        return Contact(place, origin + rotation @ place, normal, force * normal)
 
     def normal_ahead(self, tip: int) -> Array | None:
         """The normal into the surface that is nearest, within range."""
