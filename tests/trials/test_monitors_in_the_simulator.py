@@ -83,7 +83,7 @@ ENDINGS = (
         "palm touched the table",
         SLIDE,
         ("parameters.x_ref=[0.0, -0.05, -0.05, 0.0, 0.05, -0.05]",),
-        (("monitors.table=off", Outcome.CONTACT_LOST),),
+        (("monitors.table=off", Outcome.CONVERGED),),
     ),
     Ending(
         "the hand withdraws",
@@ -102,11 +102,15 @@ ENDINGS = (
         (("monitors.lost=off", Outcome.TIMEOUT),),
     ),
     Ending(
-        "a rod knocked over as the fingers close",
+        "a rod pulled over as the hand withdraws",
         Outcome.TOPPLED,
-        "leant 0.36 rad",
+        "the object leant",
         SLIDE,
-        ("scene.object={cylinder: {diameter: 0.02, height: 0.2}}", "trials.start={height: 0.1, standoff: 0.06}"),
+        (
+            *joints("wrist-z", "-0.1", 5.0),
+            "scene.object={cylinder: {diameter: 0.02, height: 0.2}}",
+            "trials.start={height: 0.1, standoff: 0.06}",
+        ),
         (("monitors.lean=off", Outcome.PALM_COLLISION),),
     ),
     Ending(
