@@ -33,6 +33,10 @@ def run_experiments(
             message = f"there are no claims about {program.spec.name!r}"
             hint = f"known experiments: {', '.join(EXPERIMENTS)}"
             raise InputError(str(spec), text, [Diagnostic("unknown-experiment", message, hint=hint)])
+    _told_apart(programs)
+    if out is not None and (out / MANIFEST).exists():
+        message, hint = "this folder holds a run", "name another folder for the experiments"
+        raise InputError(str(out), "", [Diagnostic("folder-not-empty", message, hint=hint)])
     with reading(str(out or RUNS)):
         whole = out or fresh_folder(RUNS, "experiments")
     claims: list[Claim] = []
@@ -56,6 +60,16 @@ def run_experiments(
         result(_text(claims))
     say(f"report: {page}")
     return 0
+
+
+def _told_apart(programs: Sequence[tuple[Path, Program, str]]) -> None:
+    """Each experiment may be given once, since its runs have a folder of its name."""
+    names: set[str] = set()
+    for spec, program, text in programs:
+        if program.spec.name in names:
+            message = f"{program.spec.name} is given twice"
+            raise InputError(str(spec), text, [Diagnostic("experiment-twice", message, hint="leave one out")])
+        names.add(program.spec.name)
 
 
 def _begun(program: Program, text: str, spec: Path, overrides: tuple[str, ...], place: Path) -> RunFolder:

@@ -83,9 +83,9 @@ def make_map(
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
     program, source = sound(spec, settings)
     if program.world.floats:
-        folder = _place(out, program.spec.name, source)
         with reading(str(spec), source):
-            cells = _floating(program, axes, contact, folder)
+            cells = _floating(program, axes, contact)
+        folder = _place(out, program.spec.name, source)
         seed = program.spec.trials.seed
         made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
         show_map(made, folder, as_json)
@@ -94,7 +94,7 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        program = program_of(source, spec.name, whole)
+        program = program_of(source, spec.name, whole, spec.parent)
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
     return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)
@@ -125,9 +125,9 @@ def _place(out: Path | None, name: str, source: str) -> Path:
         return folder
 
 
-def _floating(program: Program, axes: list[WantedAxis], contact: str | None, folder: Path) -> Cells:
+def _floating(program: Program, axes: list[WantedAxis], contact: str | None) -> Cells:
     total = axes[0].cells * axes[1].cells
-    say(f"{program.spec.name}: {total} cells, seed {program.spec.trials.seed} → {folder}")
+    say(f"{program.spec.name}: {total} cells, seed {program.spec.trials.seed}")
     return floating_cells(
         program, axes, contact, program.spec.trials.seed, lambda done: say(f"{done} of {total} cells")
     )

@@ -118,9 +118,10 @@ class _Check:
             if self._world.floats and name in names:
                 self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
 
-    def _grades(self) -> list[object]:
+    def _grades(self) -> list[str | None]:
+        """What is written under ``evaluate``, None in place of what is no word."""
         given = _value(self._document, ("evaluate",))
-        return given if isinstance(given, list) else []
+        return [grade if isinstance(grade, str) else None for grade in given] if isinstance(given, list) else []
 
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""

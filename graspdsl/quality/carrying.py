@@ -37,11 +37,6 @@ class Carrier:
         """The present squeeze [N], as the hand senses it."""
         return self._squeeze.force(self.observation)
 
-    @property
-    def travel(self) -> Array:
-        """How far (3,) [m] the palm has come from where it took hold."""
-        return self._world.palm().position - self._start
-
     def tick(self, offset: Array, squeeze: float) -> None:
         """One tick in which the palm goes to an offset (3,) [m] from where it took hold; squeeze [N].
 

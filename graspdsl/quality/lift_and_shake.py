@@ -42,8 +42,11 @@ class Handling:
 
     @property
     def acceleration(self) -> float:
-        """The peak acceleration of the shake, A (2π f)² [m/s²]."""
-        return self.amplitude * (2.0 * math.pi * self.frequency) ** 2
+        """The largest acceleration of the shake [m/s²], by differences of its path."""
+        cycles = np.linspace(0.0, self.cycles, 1000 * self.cycles + 1)
+        path = np.array([sway(cycle, self.cycles) for cycle in cycles])
+        second = np.diff(path, 2) / (cycles[1] - cycles[0]) ** 2
+        return float(self.amplitude * self.frequency**2 * np.abs(second).max())
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,12 +28,28 @@ class Band:
     running: Array
 
 
+def mean_course(courses: Sequence[Array]) -> Array:
+    """The mean (t,) of courses (n_i,) at every tick, each keeping its last value; (0,) where there is none."""
+    known = _finite(courses)
+    if not known:
+        return np.zeros(0)
+    ticks = np.arange(max(map(len, known)))
+    total = np.zeros(len(ticks))
+    for course in known:
+        total += course[np.minimum(ticks, len(course) - 1)]
+    return np.asarray(total / len(known))
+
+
+def _finite(courses: Sequence[Array]) -> list[Array]:
+    return [course for course in courses if len(course) and np.isfinite(course).all()]
+
+
 def band(courses: Sequence[Array]) -> Band | None:
     """The mean and the 10th and 90th percentiles of courses (n_i,) of any lengths; None where there is none.
 
     Long ones are looked at on MOST_TICKS ticks, evenly spaced.
     """
-    known = [course for course in courses if len(course) and np.isfinite(course).all()]
+    known = _finite(courses)
     if not known:
         return None
     lengths = np.array([len(course) for course in known])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.hands.descriptions import robot
+from graspdsl.hands.descriptions import HERE, Robot, robot
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.engine import pybullet
@@ -43,6 +44,17 @@ def main_program(*overrides: str) -> Program:
     return program_of(MAIN.read_text("utf-8"), MAIN.name, overrides)
 
 
+def with_uneven_tips(folder: Path) -> Robot:
+    """The Barrett hand with tips whose centres of mass are elsewhere and whose axes of inertia are turned."""
+    tree = ET.parse(HERE / ROBOT.hand.urdf)
+    for link in tree.getroot().iter("link"):
+        if link.get("name", "").startswith("tip-"):
+            for origin in link.findall("inertial/origin"):
+                origin.attrib.update(xyz="0.004 0.003 -0.002", rpy="0.3 -0.5 0.7")
+    tree.write(folder / "uneven.urdf")
+    return Robot(hand=ROBOT.hand.model_copy(update={"urdf": str(folder / "uneven.urdf")}), mount=ROBOT.mount)
+
+
 @contextlib.contextmanager
 def opened(world: BulletWorld) -> Iterator[BulletWorld]:
     """A world that is closed at the end."""
@@ -53,7 +65,9 @@ def opened(world: BulletWorld) -> Iterator[BulletWorld]:
 
 
 @contextlib.contextmanager
-def lone_hand(position: Array | None = None, rotation: Array | None = None) -> Iterator[tuple[Any, int, BulletHand]]:
+def lone_hand(
+    position: Array | None = None, rotation: Array | None = None, robot: Robot = ROBOT
+) -> Iterator[tuple[Any, int, BulletHand]]:
     """The engine, its client and a hand on its mount with nothing about it."""
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
@@ -62,7 +76,7 @@ def lone_hand(position: Array | None = None, rotation: Array | None = None) -> I
         yield (
             engine,
             client,
-            BulletHand(engine, client, ROBOT, np.zeros(3) if position is None else position, quaternion, 0.4),
+            BulletHand(engine, client, robot, np.zeros(3) if position is None else position, quaternion, 0.4),
         )
     finally:
         engine.disconnect(client)

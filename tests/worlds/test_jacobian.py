@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import robot
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.world import BulletWorld
 
-from .scenes import grasped, lone_hand, main_program, opened, settings, side_start
+from .scenes import grasped, lone_hand, main_program, opened, settings, side_start, with_uneven_tips
 
 STEP = 0.05  # rad or m
 CLOSE = 1e-5
@@ -55,6 +57,33 @@ def test_jacobians_of_any_point_at_any_joints(seed: int) -> None:
             assert np.abs(found[0] - linear).max() < CLOSE
             assert np.abs(found[1] - angular).max() < CLOSE
             assert np.abs(linear).max() > 0.1  # something moves
+
+
+def test_jacobians_of_tips_with_uneven_masses(tmp_path: Path) -> None:
+    with lone_hand(robot=with_uneven_tips(tmp_path)) as (_, _, hand):
+        joints = np.concatenate([np.zeros(6), [0.3, 0.9, 1.1, 1.3]])
+        hand.place(joints)
+        for index, tip in enumerate(hand.tips):
+            point = tip.centre + np.array([0.0, 0.0115, 0.0])
+            linear, angular = differences(lambda change: hand.place(joints + change), hand, index, point, len(joints))
+            found = hand.jacobians(tip, point, hand.all_joints())
+            assert np.abs(found[0] - linear).max() < CLOSE
+            assert np.abs(found[1] - angular).max() < CLOSE
+
+
+@pytest.mark.parametrize("mount", ["gantry", "wam"])
+def test_the_jacobian_of_the_palm(mount: str) -> None:
+    with lone_hand(robot=robot("barrett", mount)) as (_, _, hand):
+        joints = np.full(len(hand.robot.joints), 0.4)
+        linear = np.zeros((3, len(joints)))
+        for joint, axis in enumerate(1e-2 * np.eye(len(joints))):
+            ends = []
+            for side in (-2, -1, 1, 2):
+                hand.place(joints + side * axis)
+                ends.append(hand.palm().position)
+            linear[:, joint] = (8.0 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / 0.12
+        hand.place(joints)
+        assert np.abs(hand.palm().jacobian[:3] - linear).max() < 1e-4
 
 
 @pytest.mark.parametrize("start", [{"roll": 0.6}, {"tilt": 0.4, "yaw": 1.0, "height": 0.14}])

@@ -23,7 +23,20 @@ from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.fingertip_compliance import STIFFNESS
 from graspdsl.worlds.protocol import Observation
 
-from .scenes import MAIN, ROBOT, grasped, main_program, moved, numbers, opened, run_phase, settings, side_start, still
+from .scenes import (
+    MAIN,
+    ROBOT,
+    grasped,
+    main_program,
+    moved,
+    numbers,
+    opened,
+    run_phase,
+    settings,
+    side_start,
+    still,
+    with_uneven_tips,
+)
 
 PERFECT = {"load-cell": LoadCell(), "skin": Skin(), "proximity": Proximity(), "exact": Exact()}
 FLAWED = {
@@ -214,6 +227,16 @@ def test_ellipsoids_feel_where_they_touch(name: str, tmp_path: Path) -> None:
         point, angle = errors(seen, world)
         assert point < 1e-3
         assert angle < 0.08  # the engine's ellipsoid has facets
+
+
+def test_uneven_tips_weigh_nothing_at_rest(tmp_path: Path) -> None:
+    """What a load cell feels is the contact alone, wherever the tip's own mass is."""
+    with opened(BulletWorld(settings(robot=with_uneven_tips(tmp_path)))) as world:
+        seen = rested(world, grasped(world, side_start(roll=0.6), main_program()))
+        np.testing.assert_allclose(seen.forces, world.truth().forces, atol=0.02)
+        point, angle = errors(seen, world)
+        assert point < 1e-3
+        assert angle < 0.05
 
 
 def without_cells(names: tuple[str, ...]) -> Robot:

@@ -42,6 +42,7 @@ class Tip:
     centre: Array  # of the shape, link frame
     mass: float
     weight_lever: Array  # centre of mass from the shape's centre, link frame
+    inertial_rotation: Array  # (3, 3), of the axes of inertia in the link frame
 
 
 class BulletHand:
@@ -157,6 +158,7 @@ class BulletHand:
             centre=centre,
             mass=dynamics[0],
             weight_lever=np.array(dynamics[3]) - centre,
+            inertial_rotation=rotation_matrix(dynamics[4]),
         )
 
     def place(self, joints: Array) -> None:
@@ -197,7 +199,10 @@ class BulletHand:
         """The (k, 6) raw wrenches on the load cells' joints, force then moment, in the tips' frames."""
         cells = [tip.cell for tip in self.tips]
         states = self._engine.getJointStates(self.body, cells, self._client)
-        return np.array([state[2] for state in states])
+        # The engine tells them in the tips' axes of inertia.
+        readings = np.array([state[2] for state in states]).reshape(-1, 2, 3)
+        turned = [pair @ tip.inertial_rotation.T for tip, pair in zip(self.tips, readings, strict=True)]
+        return np.array(turned).reshape(-1, 6)
 
     def face_frame(self) -> tuple[Array, Array]:
         """Origin (3,) and rotation (3, 3) of the mounting face, in the world."""
@@ -208,29 +213,22 @@ class BulletHand:
 
     def face_jacobian(self) -> tuple[Array, Array]:
         """The linear and angular (3, n) world-frame Jacobians of the mounting face's origin."""
-        # The engine measures the point from the centre of mass, in the frame of inertia.
-        state = self._engine.getLinkState(self.body, self._face, physicsClientId=self._client)
-        back, _ = self._engine.invertTransform(state[2], state[3])
-        return self._jacobians(self._face, np.array(back), self.all_joints())
+        return self._jacobians(self._face, np.zeros(3), self.all_joints())
 
     def jacobians(self, tip: Tip, point: Array, all_joints: list[float]) -> tuple[Array, Array]:
         """The linear and angular (3, n) world-frame Jacobians of a material point (3,), given in the tip's frame."""
-        # The engine measures the point from the centre of mass.
-        return self._jacobians(tip.link, point - tip.centre - tip.weight_lever, all_joints)
+        return self._jacobians(tip.link, tip.inertial_rotation.T @ point, all_joints)
 
     def _jacobians(self, link: int, local: Array, all_joints: list[float]) -> tuple[Array, Array]:
-        """Those of a point from a link's centre of mass; the engine answers in the frame of the base."""
+        """Those of a point from a link's origin in its axes of inertia; the engine answers in the frame of the base."""
         zeros = [0.0] * len(all_joints)
         both = self._engine.calculateJacobian(self.body, link, local.tolist(), all_joints, zeros, zeros, self._client)
         linear, angular = (self._base_rotation @ np.array(part) @ self.coupling for part in both)
         return linear, angular
 
     def palm(self) -> Palm:
-        """The palm at its centre of mass, where the engine gives Jacobians without a lever."""
+        """The palm at the origin of its link."""
         link = self.link_index[self.robot.hand.palm]
         state = self._engine.getLinkState(self.body, link, computeForwardKinematics=True, physicsClientId=self._client)
-        joints = self.all_joints()
-        zeros = [0.0] * len(joints)
-        both = self._engine.calculateJacobian(self.body, link, [0.0, 0.0, 0.0], joints, zeros, zeros, self._client)
-        jacobian = np.vstack([self._base_rotation @ np.array(part) @ self.coupling for part in both])
-        return Palm(np.array(state[0]), rotation_matrix(state[5]), jacobian)
+        jacobian = np.vstack(self._jacobians(link, np.zeros(3), self.all_joints()))
+        return Palm(np.array(state[4]), rotation_matrix(state[5]), jacobian)
