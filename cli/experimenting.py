@@ -9,14 +9,13 @@ from rich.text import Text
 
 from graspdsl.cli.inputs import InputError, reading, sound
 from graspdsl.cli.messages import result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, frames_of, go_on
+from graspdsl.cli.running import RUNS, begin, carried_on, go_on, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic
 from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
-from graspdsl.report.page import write_report
 from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder
 
 
@@ -49,7 +48,7 @@ def run_experiments(
         with reading(str(folder.path)):
             evidence = gathered(folder)
             found = claims_of(evidence)
-            page = write_report(evidence, frames=frames_of(evidence), claims=as_data(found))
+            page = page_of(evidence)
         claims += found
         reports[program.spec.name] = page.relative_to(whole).as_posix()
     with reading(str(whole)):

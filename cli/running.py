@@ -89,13 +89,20 @@ def show(folder: RunFolder, as_json: bool) -> None:
         result_json(numbers)
     else:
         result(summary_text(numbers))
-    from graspdsl.report.page import write_report
-
     try:
-        say(f"report: {write_report(evidence, frames=frames_of(evidence))}")
+        say(f"report: {page_of(evidence)}")
     except DiagnosticError as error:
         told = [replace(diagnostic, severity=Severity.WARNING) for diagnostic in error.diagnostics]
         complain(str(folder.path), "", told)
+
+
+def page_of(evidence: Evidence) -> Path:
+    """Write a run's page; that of one of the chapter's experiments says what agrees with the chapter."""
+    from graspdsl.report.conformance import claims_of
+    from graspdsl.report.experiments_page import as_data
+    from graspdsl.report.page import write_report
+
+    return write_report(evidence, frames=frames_of(evidence), claims=as_data(claims_of(evidence)))
 
 
 def frames_of(evidence: Evidence) -> dict[str, bytes]:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import base64
 import dataclasses
 import re
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +19,7 @@ from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.page import FIGURES, PAGE, page, write_report
 from graspdsl.report.page_quality import quality_tables
+from graspdsl.report.quality import quality
 from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import numbers_of
 from graspdsl.trials.outcomes import Outcome
@@ -219,32 +218,33 @@ def test_claims_are_shown_with_what_was_measured(floating: Evidence) -> None:
     assert "✓ agrees" not in page(floating)
 
 
-QUALITY: Mapping[str, Any] = {
-    "force_closure": {"share": 0.75, "interval": (0.4, 0.9), "of": 8},
-    "ferrari_canny": {"epsilon": {"median": 0.123}, "volume": {"median": None}, "reasons": {"<no contact>": 2}},
-    "confusion": [{"lift": True, "shake": False, "trials": 3}, {"lift": False, "trials": 5}],
-}
-
-
-def test_quality_is_shown_whatever_it_was_graded_by(floating: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
-    closure, canny, confusion = quality_tables(QUALITY)
-    assert [table.title for table in (closure, canny, confusion)] == ["Force closure", "Ferrari–Canny", "Confusion"]
-    assert [[cell.text for cell in row] for row in closure.rows] == [
-        ["share", "75 %"],
-        ["95 % interval", "40 % to 90 %"],
-        ["of", "8"],
+def test_quality_is_shown_side_by_side(floating: Evidence) -> None:
+    """Of the first grasps all are graded: some have closure, some were dropped, for a reason that users may write."""
+    good = {"closed": True, "margin": 0.1, "reason": ""}
+    bad = {"closed": False, "margin": None, "reason": "<no contact>"}
+    kept, dropped = {"kept": True, "reason": ""}, {"kept": False, "reason": "slipped"}
+    grades = [(good, kept), (good, dropped), (good, kept), (bad, dropped)]
+    records = tuple(
+        dataclasses.replace(record, quality={"force-closure": closure, "lift": lift})
+        for record, (closure, lift) in zip(floating.records, grades, strict=False)
+    )
+    counted = quality(records)
+    verdicts, together, by_outcome = quality_tables(counted)
+    assert [[cell.text for cell in row][:3] for row in verdicts.rows] == [
+        ["force closure", "3", "4"],
+        ["lift", "2", "4"],
     ]
-    assert [[cell.text for cell in row] for row in canny.rows] == [
-        ["epsilon median", "0.123"],
-        ["volume median", "–"],
-        ["reasons <no contact>", "2"],
-    ]
-    assert [[cell.text for cell in row] for row in confusion.rows] == [["yes", "no", "3"], ["no", "–", "5"]]
-    numbers = {**numbers_of(floating), "quality": QUALITY}
-    monkeypatch.setattr("graspdsl.report.page.numbers_of", lambda _: numbers)
-    text = read(page(floating)).text
+    assert [row[-1].text for row in verdicts.rows] == ["<no contact> (1)", "slipped (2)"]
+    assert sum(int(row[-1].text) for row in together.rows) == 4
+    assert {row[1].text + row[2].text for row in together.rows} == {"yesyes", "yesno", "nono"}
+    assert sum(int(row[1].text) for row in by_outcome.rows) == 4
+    text = read(page(dataclasses.replace(floating, records=records))).text
     assert "Quality of the final grasps" in text
-    assert "<no contact>" in text
+    assert "<no contact> (1)" in text
+
+
+def test_what_was_not_graded_has_no_table() -> None:
+    assert quality_tables({}) == []
 
 
 def test_users_text_in_figures_is_no_notation() -> None:
