@@ -93,7 +93,7 @@ class Replay:
         """The trial, the time, the outcome and the force residual, and what the arrows mean."""
         residual = float(self.rows["force_residual"][tick])
         rho = f"‖ρ_f‖ {residual:.3f}" if math.isfinite(residual) else "‖ρ_f‖ none: no contact"
-        outcome = self.record.outcome.value.replace("_", " ")
+        outcome = self.record.outcome.value
         first = f"trial {self.record.number}   t = {self.rows['time'][tick]:.2f} s   {outcome}   {rho}"
         arrows = f"blue: contact normals, {100 * NORMAL_LENGTH:g} cm"
         if self.scale > 0:

@@ -76,10 +76,6 @@ class GraspStudio(Studio):
         """A camera that shows the grasp of these contacts as it stands."""
         return camera_on_grasp(self.hand, self.scene, contacts, width, height)
 
-    def tip_distances(self) -> Array:
-        """The distance (k,) [m] of each fingertip from the object, negative where they overlap."""
-        return np.array([self.scene.distance_to_object(self.hand.body, tip.link, 1.0) for tip in self.hand.tips])
-
 
 class SurfaceStudio(Studio):
     """A surface about the origin and contacts that float on it, drawn as small balls."""
