@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ from graspdsl.report.differences import (
     difference_of_shares,
     ratio_of_medians,
 )
-from graspdsl.report.statistics import wilson
+from graspdsl.report.statistics import median, wilson
 from graspdsl.report.summary import summary
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
@@ -51,7 +50,7 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
     finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
     return {
         "name": numbers["name"],
-        "settings": settings_of(folder),
+        "settings": list(folder.manifest.settings),
         "run": numbers["run"],
         "seed": numbers["seed"],
         "command": numbers["command"],
@@ -68,13 +67,8 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
             {**{key: mode[key] for key in ("centre", "share", "interval")}, "count": len(mode["trials"])}
             for mode in numbers["modes"]
         ],
-        "medians": {name: _median(measure.values(records)) for name, measure in MEASURES.items()},
+        "medians": {name: median(measure.values(records)) for name, measure in MEASURES.items()},
     }
-
-
-def settings_of(folder: RunFolder) -> list[str]:
-    """What was set for a run on the command line, but for the number of its trials and their seed."""
-    return [name for name in folder.manifest.overrides if not name.startswith(("trials.count=", "trials.seed="))]
 
 
 def _against(first: Run, other: Run) -> dict[str, Any]:
@@ -100,7 +94,7 @@ def _against(first: Run, other: Run) -> dict[str, Any]:
         "converged": _plain(converged),
         "differences": differences,
         "ratios": ratios,
-        "orientation_difference": _median(np.array(turned)),
+        "orientation_difference": median(np.array(turned)),
     }
 
 
@@ -148,8 +142,3 @@ def _converged(records: Sequence[TrialRecord]) -> Flags:
 
 def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
     return None if estimate is None else dataclasses.asdict(estimate)
-
-
-def _median(values: Array) -> float | None:
-    known = [value for value in values if math.isfinite(value)]
-    return float(np.median(known)) if known else None
