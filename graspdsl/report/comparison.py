@@ -89,8 +89,8 @@ def _against(first: Run, other: Run) -> dict[str, Any]:
         "run": str(other[0].path),
         "pairs": len(pairs),
         "paired": paired,
-        "only_first_converged": sum(_has(a) and not _has(b) for a, b in pairs),
-        "only_other_converged": sum(_has(b) and not _has(a) for a, b in pairs),
+        "only_first_converged": sum(_has_converged(a) and not _has_converged(b) for a, b in pairs),
+        "only_other_converged": sum(_has_converged(b) and not _has_converged(a) for a, b in pairs),
         "converged": _plain(converged),
         "differences": differences,
         "ratios": ratios,
@@ -128,16 +128,16 @@ def _ground(folder: RunFolder) -> tuple[object, ...]:
     return (scene.world, manifest.seed, scene.hand, scene.object) if scene.world == "floating" else (scene.world,)
 
 
-def _has(record: TrialRecord) -> bool:
+def _has_converged(record: TrialRecord) -> bool:
     return record.outcome is Outcome.CONVERGED
 
 
 def _both_converged(one: TrialRecord, other: TrialRecord) -> bool:
-    return _has(one) and _has(other)
+    return _has_converged(one) and _has_converged(other)
 
 
 def _converged(records: Sequence[TrialRecord]) -> Flags:
-    return np.array([_has(record) for record in records], dtype=bool)
+    return np.array([_has_converged(record) for record in records], dtype=bool)
 
 
 def _plain(estimate: Estimate | None) -> dict[str, Any] | None:

@@ -10,8 +10,7 @@ from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
-
-GRAVITY = 9.81  # m/s²
+from graspdsl.worlds.protocol import GRAVITY
 
 
 def world_of(program: Program) -> BulletWorld | FloatingWorld:
@@ -22,7 +21,7 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
         return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass, body.major_axis)
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
-    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor, GRAVITY)
+    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor)
     return ProbingWorld(settings) if program.probes else BulletWorld(settings)
 
 

@@ -18,8 +18,9 @@ from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells, starts, towards
 from graspdsl.trials.grids import WantedAxis
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.trials.setup import GRAVITY, world_of
+from graspdsl.trials.setup import world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
+from graspdsl.worlds.protocol import GRAVITY
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SEED = 7
