@@ -19,7 +19,7 @@ from graspdsl.trials.setup import world_of
 from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
-from graspdsl.worlds.bullet.camera import Camera
+from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Start
@@ -27,7 +27,6 @@ from graspdsl.worlds.protocol import Start
 NORMAL_LENGTH = 0.03  # m
 LONGEST_FORCE = 0.05  # m that an arrow of an ordinary contact force has at most
 ORDINARY = 95.0  # percentile of the contact forces of a trial
-WIDTH, HEIGHT = 480, 360
 
 
 class Replay:
