@@ -51,14 +51,15 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody
     """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free."""
     solid = solid_of(body.shape)
     moments, axes = solid.principal(body.mass)
+    back = (axes.T, -axes.T @ solid.centre)
     primitive = _primitive(engine, client, body)
     hulls: tuple[Hull, ...] = ()
     if primitive is None:
-        hulls, back = convex_parts(body.shape), (axes.T, -axes.T @ solid.centre)
+        hulls = convex_parts(body.shape)
         collision = _collision(engine, client, [hull.placed(*back) for hull in hulls])
-        visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
     else:
-        collision, visual = primitive
+        collision = primitive
+    visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
     for hull in hulls[:1]:
         engine.changeDynamics(index, -1, collisionMargin=hull.margin, physicsClientId=client)
@@ -69,7 +70,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody
     return placed
 
 
-def _primitive(engine: Any, client: int, body: Body) -> tuple[int, int] | None:
+def _primitive(engine: Any, client: int, body: Body) -> int | None:
     """What the engine has a shape of its own for; the centre of mass is its origin, and its axes are principal."""
     form: dict[str, float | list[float]]
     match body.shape:
@@ -81,9 +82,8 @@ def _primitive(engine: Any, client: int, body: Body) -> tuple[int, int] | None:
             kind, form = engine.GEOM_SPHERE, {"radius": diameter / 2}
         case _:
             return None
-    seen = {"length" if key == "height" else key: value for key, value in form.items()}
-    collision = engine.createCollisionShape(kind, **form, physicsClientId=client)
-    return collision, engine.createVisualShape(kind, **seen, rgbaColor=PAPER, physicsClientId=client)
+    collision: int = engine.createCollisionShape(kind, **form, physicsClientId=client)
+    return collision
 
 
 def _collision(engine: Any, client: int, hulls: Sequence[Hull]) -> int:
