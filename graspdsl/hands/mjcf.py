@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.spec.named_files import refusal
 
 HINGE, SLIDE = "hinge", "slide"
@@ -163,6 +164,6 @@ def _numbers(text: str) -> Array:
 
 
 def _origin(of: ElementTree.Element, place: Array, turned: Rotation) -> None:
-    rpy = turned.as_euler("xyz")
+    rpy = roll_pitch_yaw(turned.as_matrix())
     xyz, angles = (" ".join(f"{number:.9g}" for number in numbers) for numbers in (place, rpy))
     ElementTree.SubElement(of, "origin", xyz=xyz, rpy=angles)

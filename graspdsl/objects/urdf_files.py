@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from pathlib import PurePosixPath
 from typing import NamedTuple
@@ -11,6 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.diagnostics import Diagnostic
 from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
@@ -152,7 +152,7 @@ class _Urdf:
 
     def _placed(self, frame: Frame, part: Part) -> Placed:
         x, y, z = frame.position.tolist()
-        return Placed(part, (x, y, z), _angles(frame.rotation))
+        return Placed(part, (x, y, z), roll_pitch_yaw(frame.rotation))
 
     def _frame(self, element: ElementTree.Element) -> Frame:
         origin = element.find("origin")
@@ -199,11 +199,3 @@ class _Urdf:
 
     def _bad(self, what: str) -> Exception:
         return refusal("bad-urdf", f"{self._name} is no URDF of an object: {what}", None)
-
-
-def _angles(rotation: Array) -> Extent:
-    """Roll, pitch and yaw [rad] of a rotation (3, 3)."""
-    pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
-    if math.cos(pitch) < 1e-9:
-        return (math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0)
-    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
