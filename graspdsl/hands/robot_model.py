@@ -84,11 +84,9 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
         raise refusal("not-a-urdf", f"{name} is no XML: {error}", None) from None
     if tree.tag == "mujoco":
         from graspdsl.hands.mjcf import urdf_of_mjcf
+        from graspdsl.hands.mjcf_parts import places_of
 
-        try:
-            return urdf_of_mjcf(tree, name)
-        except ValueError as error:
-            raise refusal("not-in-mjcf", f"{name}: a number cannot be read: {error}", None) from None
+        return urdf_of_mjcf(tree, name, places_of(content, tree))
     if tree.tag != "robot":
         raise refusal("not-a-urdf", f"{name} is no URDF: its root is <{tree.tag}>, not <robot>", None)
     return tree

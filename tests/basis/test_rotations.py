@@ -98,6 +98,7 @@ def test_batches_and_broadcasts(function: object) -> None:
 def test_roll_pitch_and_yaw_make_the_rotation_also_where_the_pitch_is_a_right_angle() -> None:
     pitches = [side * (np.pi / 2 - away) for side in (-1.0, 1.0) for away in (0.0, *np.logspace(-16, 0, 33))]
     angles = [(roll, pitch, yaw) for roll in (-3.0, 0.0, 0.7) for pitch in pitches for yaw in (-1.2, 0.0, np.pi)]
-    for rotation in (*Rotation.from_euler("xyz", angles).as_matrix(), *Rotation.random(100, random_state=4).as_matrix()):
+    random = Rotation.random(100, random_state=4)
+    for rotation in (*Rotation.from_euler("xyz", angles).as_matrix(), *random.as_matrix()):
         found = Rotation.from_euler("xyz", roll_pitch_yaw(rotation)).as_matrix()
         np.testing.assert_allclose(found, rotation, atol=CLOSE)
