@@ -189,7 +189,7 @@ class _Conversion:
             for use in ("visual", "collision") if touches else ("visual",):
                 made = ElementTree.SubElement(link, use)
                 _origin(made, Pose(pose.place - moved, pose.turned))
-                ElementTree.SubElement(ElementTree.SubElement(made, "geometry"), solid.tag, solid.sizes)
+                ElementTree.SubElement(ElementTree.SubElement(made, "geometry"), solid.tag, dict(solid.sizes))
 
     def _check_floor(self, geom: Part) -> None:
         if geom.attributes.get("type") != "plane":
