@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from graspdsl.spec.named_files import refusal
+from graspdsl.spec.xml_files import xml_tree
 
 FIXED = "fixed"
 HINGES = ("revolute", "prismatic", "continuous")
@@ -73,15 +73,7 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
 
 
 def _parsed(content: bytes, name: str) -> ElementTree.Element:
-    if re.search(rb"<!(DOCTYPE|ENTITY)", content):
-        raise refusal("not-a-urdf", f"{name} has a document type declaration, which a URDF needs not", "remove it")
-    try:
-        tree = ElementTree.fromstring(content)
-    except ElementTree.ParseError as error:
-        line, column = error.position
-        raise refusal("not-a-urdf", f"{name} is no XML: line {line}, column {column + 1}: {error.msg}", None) from None
-    except (ValueError, LookupError) as error:  # an unknown or wrong encoding
-        raise refusal("not-a-urdf", f"{name} is no XML: {error}", None) from None
+    tree = xml_tree(content, name)
     if tree.tag == "mujoco":
         from graspdsl.hands.mjcf import urdf_of_mjcf
 
