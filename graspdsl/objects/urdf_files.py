@@ -16,9 +16,10 @@ from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
 from graspdsl.spec.named_files import SpecFolder, refusal
+from graspdsl.spec.xml_files import xml_tree
 
-LARGEST = 1024 * 1024  # bytes
 MOST_PARTS = 200
+MOST_LINKS = 2000
 MOST_LENGTH = 1e6  # m
 PACKAGE = "package://"
 
@@ -53,28 +54,20 @@ def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
     """
     if PurePosixPath(name).suffix.lower() != ".urdf":
         raise refusal("unknown-urdf-format", f"{name} is no URDF file: expected .urdf", "name a .urdf, or use mesh")
-    content = folder.read(name)
-    if len(content) > LARGEST:
-        raise refusal("file-too-large", f"{name} is too large: a URDF may have {LARGEST} bytes", None)
-    return _Urdf(name, content, folder, warn).read()
+    return _Urdf(name, folder.read(name), folder, warn).read()
 
 
 class _Urdf:
     def __init__(self, name: str, content: bytes, folder: SpecFolder, warn: Warn) -> None:
         self._name, self._folder, self._warn = name, folder, warn
-        if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-            raise refusal("bad-urdf", f"{name} declares entities, which no URDF needs", "leave its DOCTYPE out")
-        try:
-            self._robot = ElementTree.fromstring(content)
-        except ElementTree.ParseError as error:
-            line, column = error.position
-            message = f"{name} is no XML: line {line}, column {column + 1}"
-            raise refusal("bad-urdf", message, "check that it is a URDF file") from None
+        self._robot = xml_tree(content, name)
         if self._robot.tag != "robot":
             raise self._bad(f"its root is <{self._robot.tag}>, not <robot>")
 
     def read(self) -> UrdfObject:
         links = {link.get("name", ""): link for link in self._robot.iter("link")}
+        if len(links) > MOST_LINKS:
+            raise self._bad(f"it has {len(links)} links, where an object may have {MOST_LINKS}")
         frames = self._frames(links)
         parts = [
             self._placed(frames[name].then(frame), part) for name in links for frame, part in self._parts(links[name])
@@ -100,18 +93,20 @@ class _Urdf:
             if parent not in links or child not in links or child in joints:
                 raise self._bad(f"its joint {name} does not join two links into a tree")
             joints[child] = (parent, self._frame(joint))
-        frames: dict[str, Frame] = {}
-        for name in links:
-            frame, at = ORIGIN, name
-            for _ in links:
-                if at not in joints:
-                    break
-                at, step = joints[at]
-                frame = step.then(frame)
-            if at in joints:
-                raise self._bad("its joints go round in a circle")
-            frames[name] = frame
-        if len(set(links) - set(joints)) != 1:
+        tops = [name for name in links if name not in joints]
+        inside: dict[str, list[str]] = {}
+        for name, (parent, _) in joints.items():
+            inside.setdefault(parent, []).append(name)
+        frames = dict.fromkeys(tops, ORIGIN)
+        waiting = list(tops)
+        while waiting:
+            above = waiting.pop()
+            for name in inside.get(above, ()):
+                frames[name] = frames[above].then(joints[name][1])
+                waiting.append(name)
+        if len(frames) < len(links):
+            raise self._bad("its joints go round in a circle")
+        if len(tops) != 1:
             raise self._bad("its links are not joined to one body")
         return frames
 
