@@ -14,7 +14,7 @@ from graspdsl.hands.mjcf_defaults import MAIN, Defaults
 from graspdsl.hands.mjcf_geoms import solids_of
 from graspdsl.hands.mjcf_inertia import principal
 from graspdsl.hands.mjcf_known import check_inside, whole
-from graspdsl.hands.mjcf_parts import HERE, Angles, Part, Places, Pose, Source
+from graspdsl.hands.mjcf_parts import HERE, Angles, Part, Pose, Source
 
 HINGE, SLIDE = "hinge", "slide"
 FIXED = "fixed"
@@ -22,7 +22,7 @@ ON_OFF = ("auto", "true", "false")
 NEIGHBOURS = 2  # links that are at most so many joints apart never touch in a world
 
 
-def urdf_of_mjcf(tree: ElementTree.Element, file: str, places: Places) -> ElementTree.Element:
+def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
     """The URDF tree of a MJCF tree. Raises DiagnosticError for what has no place in it, by name, line and column.
 
     Read are nested bodies and frames with ``inertial``, at most one hinge or slide each, and spheres, capsules
@@ -32,7 +32,7 @@ def urdf_of_mjcf(tree: ElementTree.Element, file: str, places: Places) -> Elemen
     softness of contacts and the options of the solver, for these are the spec's and the world's. Geoms that touch
     nothing of contype and conaffinity 1 are only drawn.
     """
-    return _Conversion(tree, Source(file, places)).robot()
+    return _Conversion(tree, Source(file)).robot()
 
 
 class _Inner(NamedTuple):

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 from xml.etree import ElementTree
-from xml.parsers import expat
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,26 +13,15 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import DiagnosticError, listed
 from graspdsl.spec.named_files import refusal
+from graspdsl.spec.wording import shortened
+from graspdsl.spec.xml_files import place_in
 
 Attributes = Mapping[str, str]
-Places = Mapping[ElementTree.Element, tuple[int, int]]
 
 IN_URDF = "take it out, or describe the hand in URDF"
 ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+LONGEST = 200  # characters of a complaint
 SHORTEST = 1e-10  # the length of a vector that has no direction
-
-
-def places_of(content: bytes, tree: ElementTree.Element) -> Places:
-    """The line and the column, from 1, where each element of the tree that was read from ``content`` begins."""
-    found: list[tuple[int, int]] = []
-    parser = expat.ParserCreate()
-
-    def begin(_tag: str, _attributes: object) -> None:
-        found.append((parser.CurrentLineNumber, parser.CurrentColumnNumber + 1))
-
-    parser.StartElementHandler = begin
-    parser.Parse(content, True)
-    return dict(zip(tree.iter(), found, strict=True))
 
 
 class Pose(NamedTuple):
@@ -52,15 +40,13 @@ HERE = Pose(np.zeros(3), Rotation.identity())
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A MJCF file: its name and where its elements begin."""
+    """A MJCF file, by its name."""
 
     file: str
-    places: Places
 
     def refused(self, element: ElementTree.Element, what: str, hint: str | None = IN_URDF) -> DiagnosticError:
-        """A complaint about an element."""
-        line, column = self.places[element]
-        return refusal("not-in-mjcf", f"{self.file}, line {line}, column {column}: {what}", hint)
+        """A complaint about an element, at its line and column."""
+        return refusal("not-in-mjcf", f"{place_in(self.file, element)}: {shortened(what, LONGEST)}", hint)
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,9 +104,8 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
     tree = xml_tree(content, name)
     if tree.tag == "mujoco":
         from graspdsl.hands.mjcf import urdf_of_mjcf
-        from graspdsl.hands.mjcf_parts import places_of
 
-        return urdf_of_mjcf(tree, name, places_of(content, tree))
+        return urdf_of_mjcf(tree, name)
     if tree.tag != "robot":
         message = f"{name} is no URDF: its root is <{shortened(tree.tag)}>, not <robot>"
         raise refusal("not-a-urdf", message, "name a URDF or a MJCF file")

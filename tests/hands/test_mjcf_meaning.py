@@ -108,7 +108,7 @@ def test_a_full_inertia_keeps_its_tensor() -> None:
     moments = np.diag([float(inertia.get(key, "")) for key in ("ixx", "iyy", "izz")])
     expected = [[3e-4, 5e-5, -4e-5], [5e-5, 2e-4, 3e-5], [-4e-5, 3e-5, 2.5e-4]]
     np.testing.assert_allclose(axes @ moments @ axes.T, expected, atol=1e-11)
-    assert [inertia.get(key) for key in ("ixy", "ixz", "iyz")] == ["0", "0", "0"]
+    assert [float(inertia.get(key, "")) for key in ("ixy", "ixz", "iyz")] == [0.0, 0.0, 0.0]
 
 
 ON, OFF = '<compiler autolimits="true"/>', '<compiler autolimits="false"/>'
