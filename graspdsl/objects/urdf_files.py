@@ -11,12 +11,13 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import roll_pitch_yaw
-from graspdsl.diagnostics import Diagnostic
+from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
+from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
 from graspdsl.spec.named_files import SpecFolder, refusal
-from graspdsl.spec.xml_files import xml_tree
+from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_PARTS = 200
 MOST_LINKS = 2000
@@ -48,8 +49,10 @@ class UrdfObject(NamedTuple):
 
 
 def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
-    """The collision geometry of a URDF file as one solid; its inertias are not believed.
+    """The collision geometry of a URDF file as one solid of the masses that it states; its inertias are not believed.
 
+    Each part is of even density, so that the centre of mass and the inertia count twice what is in two of them, also in
+    a file that states its own: that is said to ``warn`` where two parts notably overlap, as ``overlaps`` estimates it.
     Raises DiagnosticError when it has none, is no URDF, or has joints that move.
     """
     if PurePosixPath(name).suffix.lower() != ".urdf":
@@ -60,6 +63,7 @@ def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
 class _Urdf:
     def __init__(self, name: str, content: bytes, folder: SpecFolder, warn: Warn) -> None:
         self._name, self._folder, self._warn = name, folder, warn
+        self._part_places: list[str] = []
         self._robot = xml_tree(content, name)
         if self._robot.tag != "robot":
             raise self._bad(f"its root is <{self._robot.tag}>, not <robot>")
@@ -77,7 +81,20 @@ class _Urdf:
         if len(parts) > MOST_PARTS:
             raise self._bad(f"it has {len(parts)} parts, where an object may have {MOST_PARTS}")
         masses = [self._number(m, "value", 0.0) for link in links.values() for m in link.findall("inertial/mass")]
+        self._warn_of_overlaps(parts)
         return UrdfObject(centred(parts), max(sum(masses), 0.0))
+
+    def _warn_of_overlaps(self, parts: list[Placed]) -> None:
+        found = next(overlaps(parts), None)
+        if found is None:
+            return
+        first, second = self._part_places[found.first], self._part_places[found.second]
+        message = (
+            f"the collision parts at {first} and {second} share about {found.share:.0%} of the smaller: "
+            "the centre of mass and the inertia of the object count twice what is in both"
+        )
+        hint = "make the parts touch without overlapping"
+        self._warn(Diagnostic("overlapping-parts", message, None, hint, Severity.WARNING))
 
     def _frames(self, links: dict[str, ElementTree.Element]) -> dict[str, Frame]:
         """Each link's frame in that of the root, all joints fixed."""
@@ -113,6 +130,7 @@ class _Urdf:
     def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Part]]:
         for collision in link.findall("collision"):
             for geometry in collision.findall("geometry/*"):
+                self._part_places.append(place_in(self._name, geometry))
                 yield self._frame(collision), self._part(geometry)
 
     def _part(self, geometry: ElementTree.Element) -> Part:
