@@ -36,9 +36,9 @@ def overlaps(parts: Sequence[Placed]) -> Iterator[Overlap]:
     """The pairs that share more than NOTABLE of the smaller part, one after the other, for each takes its time.
 
     Of pairs whose bounding boxes meet, the smaller part's own box is cut down to what the other reaches of it and
-    filled with LINES × POINTS points: exact for two boxes side by side, else good to one or two hundredths. Boxes, cylinders
-    and spheres hold the points that they hold in truth; a mesh holds those its mass is counted for: all in its convex
-    hull where it has holes, those within its triangles where it is closed.
+    filled with LINES × POINTS points: exact for two boxes side by side, else good to one or two hundredths. Boxes,
+    cylinders and spheres hold the points that they hold in truth; a mesh holds those its mass is counted for: all in
+    its convex hull where it has holes, those within its triangles where it is closed.
     """
     axes = np.eye(3)
     high = np.array([[part.support(axis) for axis in axes] for part in parts])
@@ -114,7 +114,7 @@ def _within_mesh(mesh: TriangleMesh) -> Callable[[Array], Inside]:
 
 
 def _between_triangles(triangles: Array, lines: Array) -> Inside:
-    """Which points of parallel lines (l, k, 3) have an odd number of closed triangles (f, 3, 3) ahead: they are within."""
+    """Which points of parallel lines (l, k, 3) are within closed triangles (f, 3, 3): an odd number lies ahead."""
     _, _, basis = np.linalg.svd((lines[0, -1] - lines[0, 0])[None])
     turned = np.roll(basis, -1, axis=0).T  # the direction of the lines comes last
     triangles, lines = triangles @ turned, lines @ turned
