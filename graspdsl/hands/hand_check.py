@@ -73,7 +73,8 @@ class _Check:
         for name in self._hand.joints:
             yield from self._movable(name, ("joints", name), movable)
         spoken_for = {*self._hand.joints, *self._hand.couplings}
-        for name in sorted(movable - spoken_for):
+        # A name that is not there is most likely one of those left out, misspelt.
+        for name in sorted(movable - spoken_for) if spoken_for <= {*self._model.joints} else ():
             message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
             yield self._error(
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
@@ -139,7 +140,8 @@ class _Check:
         moving = [name for name in self._hand.joints if name in movers or name in coupled]
         yield from self._joint_list(contact.finger, path)
         for place, joint in enumerate(contact.finger):
-            if joint in self._hand.joints and joint not in moving and contact.link in self._model.links:
+            known = joint in self._model.joints and contact.link in self._model.links
+            if known and joint in self._hand.joints and joint not in moving:
                 message = f"the joint {joint} does not move {contact.link}"
                 yield self._error(
                     "wrong-finger", message, (*path, place), known_names_hint("", moving, "joints that do")
@@ -178,7 +180,11 @@ class _Check:
                 limits = self._limits(name)
                 if name not in self._hand.joints:
                     yield self._unknown("joint", name, path, self._hand.joints, key=True)
-                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
+                elif (
+                    limits is not None
+                    and limits[0] < limits[1]
+                    and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING
+                ):
                     message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
                     yield self._error("out-of-range", message, path, "keep within the limits of the joint")
 

@@ -35,8 +35,7 @@ class UrdfCheck:
         """The element with only what its kind has; ``owner`` is what it belongs to, for messages."""
         copied = ElementTree.Element(element.tag)
         for key in kind.texts:
-            if element.get(key):
-                copied.set(key, element.get(key, ""))
+            copied.set(key, element.get(key, ""))
         before = len(self.found)
         for key, numbers in kind.numbers.items():
             values = self._numbers(element, key, numbers, owner)
@@ -92,10 +91,10 @@ class UrdfCheck:
             if count > 1 and tag in kind.children and tag not in kind.many:
                 message = f"{owner}: expected one <{tag}> in <{element.tag}>, found {count}"
                 self.fault(element.findall(tag)[1], "declared-twice", message, "keep one of them")
-        for tag in kind.needed:
-            if tag not in counts:
-                message = f"{owner}: <{element.tag}> has no <{tag}>"
-                self.fault(element, "missing-element", message, f"add <{tag} …/>")
+        missing = [f"<{tag}>" for tag in kind.needed if tag not in counts]
+        if missing:
+            message = f"{owner}: <{element.tag}> has no {listed(missing)}"
+            self.fault(element, "missing-element", message, f"add {listed(missing)}")
 
     def _together(self, element: ElementTree.Element, copied: ElementTree.Element, owner: str) -> None:
         """What the numbers of one element must be to one another."""
