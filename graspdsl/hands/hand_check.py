@@ -13,6 +13,7 @@ from graspdsl.hands.urdf_rules import FIXED, HINGES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import folder_name
+from graspdsl.spec.wording import shortened
 
 
 def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
@@ -128,10 +129,10 @@ class _Check:
                 message = f"the contact {name} has no link"
                 yield self._error("missing-key", message, path, "name its link and its shape", key=True)
                 continue
+            yield from self._finger(contact, (*path, "finger"))
             if contact.link not in self._model.links:
                 yield self._unknown("link", contact.link, (*path, "link"), self._model.links)
-            yield from self._finger(contact, (*path, "finger"))
-            if contact.cell:
+            elif contact.cell:
                 yield from self._cell(contact.cell, contact.link, (*path, "cell"))
 
     def _finger(self, contact: Contact, path: Path) -> Iterator[Diagnostic]:
@@ -143,9 +144,8 @@ class _Check:
             known = joint in self._model.joints and contact.link in self._model.links
             if known and joint in self._hand.joints and joint not in moving:
                 message = f"the joint {joint} does not move {contact.link}"
-                yield self._error(
-                    "wrong-finger", message, (*path, place), known_names_hint("", moving, "joints that do")
-                )
+                hint = f"joints that do: {', '.join(moving)}" if moving else "name another link or another joint"
+                yield self._error("wrong-finger", message, (*path, place), hint)
 
     def _joint_list(self, joints: Sequence[str], path: Path) -> Iterator[Diagnostic]:
         for place, joint in enumerate(joints):
@@ -194,7 +194,10 @@ class _Check:
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        return self._error(f"unknown-{what}", f"there is no {what} {name!r} in the model", path, hint, key)
+        message = f"there is no {what} {shortened(name)!r} in the model"
+        if what == "joint" and name in self._model.joints:
+            message = f"{name} is not among the driven joints"
+        return self._error(f"unknown-{what}", message, path, hint, key)
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)
