@@ -13,6 +13,7 @@ from graspdsl.hands.urdf_rules import FIXED, HINGES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import folder_name
+from graspdsl.spec.wording import shortened
 
 
 def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
@@ -73,7 +74,8 @@ class _Check:
         for name in self._hand.joints:
             yield from self._movable(name, ("joints", name), movable)
         spoken_for = {*self._hand.joints, *self._hand.couplings}
-        for name in sorted(movable - spoken_for):
+        # A name that is not there is most likely one of those left out, misspelt.
+        for name in sorted(movable - spoken_for) if spoken_for <= {*self._model.joints} else ():
             message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
             yield self._error(
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
@@ -127,10 +129,10 @@ class _Check:
                 message = f"the contact {name} has no link"
                 yield self._error("missing-key", message, path, "name its link and its shape", key=True)
                 continue
+            yield from self._finger(contact, (*path, "finger"))
             if contact.link not in self._model.links:
                 yield self._unknown("link", contact.link, (*path, "link"), self._model.links)
-            yield from self._finger(contact, (*path, "finger"))
-            if contact.cell:
+            elif contact.cell:
                 yield from self._cell(contact.cell, contact.link, (*path, "cell"))
 
     def _finger(self, contact: Contact, path: Path) -> Iterator[Diagnostic]:
@@ -139,11 +141,11 @@ class _Check:
         moving = [name for name in self._hand.joints if name in movers or name in coupled]
         yield from self._joint_list(contact.finger, path)
         for place, joint in enumerate(contact.finger):
-            if joint in self._hand.joints and joint not in moving and contact.link in self._model.links:
+            known = joint in self._model.joints and contact.link in self._model.links
+            if known and joint in self._hand.joints and joint not in moving:
                 message = f"the joint {joint} does not move {contact.link}"
-                yield self._error(
-                    "wrong-finger", message, (*path, place), known_names_hint("", moving, "joints that do")
-                )
+                hint = f"joints that do: {', '.join(moving)}" if moving else "name another link or another joint"
+                yield self._error("wrong-finger", message, (*path, place), hint)
 
     def _joint_list(self, joints: Sequence[str], path: Path) -> Iterator[Diagnostic]:
         for place, joint in enumerate(joints):
@@ -178,7 +180,11 @@ class _Check:
                 limits = self._limits(name)
                 if name not in self._hand.joints:
                     yield self._unknown("joint", name, path, self._hand.joints, key=True)
-                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
+                elif (
+                    limits is not None
+                    and limits[0] < limits[1]
+                    and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING
+                ):
                     message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
                     yield self._error("out-of-range", message, path, "keep within the limits of the joint")
 
@@ -188,7 +194,10 @@ class _Check:
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        return self._error(f"unknown-{what}", f"there is no {what} {name!r} in the model", path, hint, key)
+        message = f"there is no {what} {shortened(name)!r} in the model"
+        if what == "joint" and name in self._model.joints:
+            message = f"{name} is not among the driven joints"
+        return self._error(f"unknown-{what}", message, path, hint, key)
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.hand_check import faults
+from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
 from graspdsl.spec.document import Document, parse_document
 from graspdsl.spec.files import SIZE_LIMIT
@@ -123,10 +124,15 @@ def _mesh(files: SpecFolder, name: str, urdf: str, mesh: str, document: Document
     for candidate in candidates:
         inside = _beside(_beside(name, urdf), candidate)
         try:
-            files.read(inside)
-            return str(files.place(inside).resolve())
+            content = files.read(inside)
         except DiagnosticError as error:
             missing = missing or error
+            continue
+        try:
+            check_mesh(mesh, content)
+        except DiagnosticError as error:
+            raise _at(error, document) from None
+        return str(files.place(inside).resolve())
     assert missing is not None
     raise _at(missing, document)
 

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from graspdsl.diagnostics import Diagnostic, Severity, listed
-from graspdsl.hands.urdf_rules import MESHES, SHAPES, Kind, Numbers
+from graspdsl.hands.urdf_rules import MESHES, SHAPES, UNDRAWN, Kind, Numbers
 from graspdsl.spec.wording import as_yaml, shortened
 from graspdsl.spec.xml_files import place_in
 
@@ -35,8 +35,7 @@ class UrdfCheck:
         """The element with only what its kind has; ``owner`` is what it belongs to, for messages."""
         copied = ElementTree.Element(element.tag)
         for key in kind.texts:
-            if element.get(key):
-                copied.set(key, element.get(key, ""))
+            copied.set(key, element.get(key, ""))
         before = len(self.found)
         for key, numbers in kind.numbers.items():
             values = self._numbers(element, key, numbers, owner)
@@ -44,7 +43,7 @@ class UrdfCheck:
                 copied.set(key, " ".join(map(repr, values)))
         self._stands_once(element, kind, owner)
         for child in element:
-            if child.tag in kind.children:
+            if child.tag in kind.children and not self._undrawn(child, owner):
                 copied.append(self.copy(child, kind.children[child.tag], owner))
         if len(self.found) == before:
             self._together(element, copied, owner)
@@ -92,10 +91,10 @@ class UrdfCheck:
             if count > 1 and tag in kind.children and tag not in kind.many:
                 message = f"{owner}: expected one <{tag}> in <{element.tag}>, found {count}"
                 self.fault(element.findall(tag)[1], "declared-twice", message, "keep one of them")
-        for tag in kind.needed:
-            if tag not in counts:
-                message = f"{owner}: <{element.tag}> has no <{tag}>"
-                self.fault(element, "missing-element", message, f"add <{tag} …/>")
+        missing = [f"<{tag}>" for tag in kind.needed if tag not in counts]
+        if missing:
+            message = f"{owner}: <{element.tag}> has no {listed(missing)}"
+            self.fault(element, "missing-element", message, f"add {listed(missing)}")
 
     def _together(self, element: ElementTree.Element, copied: ElementTree.Element, owner: str) -> None:
         """What the numbers of one element must be to one another."""
@@ -128,8 +127,20 @@ class UrdfCheck:
         elif most > least + middle + ROUNDING * most:
             why = "no body has one above the sum of the others, and the engine takes all for 0"
             message = f"{place_in(self.file, element)}: {owner}: {principal}: {why}"
-            hint = "work them out anew from the shape"
-            self.warnings.append(Diagnostic("wrong-inertia", message, hint=hint, severity=Severity.WARNING))
+            self._warn("wrong-inertia", message, "work them out anew from the shape")
+
+    def _undrawn(self, element: ElementTree.Element, owner: str) -> bool:
+        """Whether an element is only drawn, and of a format that is not."""
+        mesh = element.find("geometry/mesh") if element.tag == "visual" else None
+        name = "" if mesh is None else mesh.get("filename", "")
+        if PurePosixPath(name).suffix.lower() != UNDRAWN:
+            return False
+        message = f"{place_in(self.file, element)}: {owner}: {shortened(name)!r} is not drawn"
+        self._warn("undrawn-mesh", message, f"convert it to {listed(MESHES, 'or')}")
+        return True
+
+    def _warn(self, code: str, message: str, hint: str) -> None:
+        self.warnings.append(Diagnostic(code, message, hint=hint, severity=Severity.WARNING))
 
     def _mesh(self, element: ElementTree.Element, values: dict[str, np.ndarray], owner: str) -> None:
         name = element.get("filename", "")

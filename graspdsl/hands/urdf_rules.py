@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 FIXED = "fixed"
 HINGES = ("revolute", "prismatic", "continuous")
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
-MESHES = (".stl", ".obj", ".dae")
+MESHES = (".stl", ".obj")
+UNDRAWN = ".dae"  # the engine falls over files of this kind that lack something
 
 FARTHEST = 10.0  # m
 HEAVIEST = 100.0  # kg
