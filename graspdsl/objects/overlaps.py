@@ -21,7 +21,8 @@ ROUNDING = 1e-9  # of a volume
 AT_ONCE = 4096  # triangles, so that even large ones do not fill the memory
 ASIDE = 1e-7 * np.array([np.sqrt(2.0), np.sqrt(3.0)])  # of the size of a mesh: lines of points keep off its edges
 
-Inside, Numbers = npt.NDArray[np.bool_], npt.NDArray[np.int64]
+Inside = npt.NDArray[np.bool_]
+Numbers = npt.NDArray[np.int64]
 
 
 class Overlap(NamedTuple):
@@ -88,19 +89,23 @@ def _seen_from(placed: Placed, points: Array) -> Array:
 
 
 def _within(part: Part) -> Callable[[Array], Inside]:
-    """Which of the lines of points (..., k, 3), in the frame of the part, are in it."""
+    """Which of the lines of points (l, k, 3), in the frame of the part, are in it."""
     match part:
-        case Box(size):
-            return lambda points: (np.abs(points) < np.array(size) / 2).all(axis=-1)
-        case Sphere(diameter):
-            return lambda points: np.linalg.norm(points, axis=-1) < diameter / 2
-        case Cylinder(diameter, height):
-            return lambda points: (
-                (np.hypot(points[..., 0], points[..., 1]) < diameter / 2) & (np.abs(points[..., 2]) < height / 2)
-            )
         case TriangleMesh():
             return _within_mesh(part)
+        case Box(size):
+            return lambda points: np.array((np.abs(points) < np.array(size) / 2).all(axis=-1))
+        case Sphere(diameter):
+            return lambda points: np.array(np.linalg.norm(points, axis=-1) < diameter / 2)
+        case Cylinder(diameter, height):
+            half = np.array([diameter / 2, height / 2])
+            return lambda points: np.array((_around_axis(points) < half).all(axis=-1))
     raise TypeError(f"{type(part).__name__} is no part of a URDF")
+
+
+def _around_axis(points: Array) -> Array:
+    """How far points (..., 3) are from the z axis, and from the plane across it, (..., 2)."""
+    return np.stack([np.hypot(points[..., 0], points[..., 1]), np.abs(points[..., 2])], axis=-1)
 
 
 def _within_mesh(mesh: TriangleMesh) -> Callable[[Array], Inside]:
@@ -129,7 +134,8 @@ def _between_triangles(triangles: Array, lines: Array) -> Inside:
         line = order[np.arange(len(face)) - np.repeat(np.cumsum(last - first) - last, last - first)]
         near = (low[face, 1] < starts[line, 1]) & (starts[line, 1] < high[face, 1])
         _count(some[face[near]], line[near], starts, lines[..., 2], ahead)
-    return ahead % 2 == 1
+    inside: Inside = ahead % 2 == 1
+    return inside
 
 
 def _count(triangles: Array, line: Numbers, starts: Array, heights: Array, ahead: Numbers) -> None:
