@@ -59,12 +59,11 @@ def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
     from graspdsl.spec.named_files import SpecFolder
 
     try:
-        hand_in(SpecFolder(path.parent), path.name)
+        return source, hand_in(SpecFolder(path.parent), path.name).warnings
     except HandFileError as error:
         return error.text, error.diagnostics
     except DiagnosticError as error:
         return source, error.diagnostics
-    return source, ()
 
 
 def sound(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 from graspdsl.basis.effectors import EFFECTORS
@@ -190,16 +190,20 @@ class _ProgramCheck:
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
         self._complaints.about(("scene", "hand"))
+        found: FoundHand | None = None
+        faults: tuple[Diagnostic, ...] = ()
         try:
-            return hand_in(self._files, name.text)
+            found = hand_in(self._files, name.text)
+            faults = found.warnings
         except DiagnosticError as error:
             for fault in error.diagnostics:
                 self._complaints.error(fault.code, fault.message, whole(name), fault.hint)
         except HandFileError as error:
-            for fault in error.diagnostics:
-                place = error.name if fault.span is None else f"{error.name}:{fault.span.line}:{fault.span.column}"
-                self._complaints.error(fault.code, f"{place}: {fault.message}", whole(name), fault.hint)
-        return None
+            faults = error.diagnostics
+        for fault in faults:
+            place = name.text if fault.span is None else f"{name.text}:{fault.span.line}:{fault.span.column}"
+            self._complaints.add(replace(fault, message=f"{place}: {fault.message}", span=whole(name)))
+        return found
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
         if name is None or name.text in known:

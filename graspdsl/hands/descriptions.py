@@ -9,29 +9,33 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from typing import Annotated
 from xml.etree import ElementTree
 
 import yaml
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
-from graspdsl.spec.fields import Model
+from graspdsl.hands.fingertips import Angles, CapsuleTip, EllipsoidTip, FingertipShape, Place, SphereTip
+from graspdsl.spec.fields import Count, Metres, Model, Number
+from graspdsl.spec.models import folder_name
 
 HERE = Path(__file__).parent
+
+JointNames = Annotated[tuple[str, ...], Field(min_length=1)]
 
 
 class Joint(Model):
     """An actuated joint. ``weight`` [m or rad per m] scales it in gradient space: about one over its lever."""
 
-    weight: float = Field(gt=0)
-    closes: int = Field(0, ge=-1, le=1, description="sign of the motion that closes the hand; 0: it does not")
+    weight: Number = Field(gt=0.0, le=1000.0)
+    closes: Count = Field(0, ge=-1, le=1, description="sign of the motion that closes the hand; 0: it does not")
 
 
 class Coupling(Model):
     """A joint that follows an actuated one: angle = ratio · angle of ``follows``."""
 
     follows: str
-    ratio: float
+    ratio: Number = Field(ge=-100.0, le=100.0)
 
 
 class Contact(Model):
@@ -45,7 +49,9 @@ class Contact(Model):
     sphere: SphereTip | None = None
     ellipsoid: EllipsoidTip | None = None
     capsule: CapsuleTip | None = None
-    finger: tuple[str, ...] = Field((), description="the joints of its own finger, which open and close it")
+    finger: tuple[str, ...] = Field(
+        (), min_length=1, description="the joints of its own finger, which open and close it"
+    )
 
     @model_validator(mode="after")
     def _one_shape(self) -> Contact:
@@ -66,25 +72,25 @@ class Contact(Model):
 class Hand(Model):
     """A hand description file. Without a ``urdf`` it is bare contacts, for the floating world."""
 
-    hand: str
-    about: str = ""
-    urdf: str = ""
-    mjcf: str = ""
+    hand: Annotated[str, AfterValidator(folder_name)]
+    about: str = Field("", max_length=1000)
+    urdf: str = Field("", max_length=1000)
+    mjcf: str = Field("", max_length=1000)
     root: str = ""
     palm: str = ""
-    palm_surface: float = Field(0.0, description="m ahead of the mounting face, along its z axis")
+    palm_surface: Metres = Field(0.0, ge=-1.0, le=1.0, description="m ahead of the mounting face, along its z axis")
     joints: dict[str, Joint] = Field(default={})
     couplings: dict[str, Coupling] = Field(default={})
-    contacts: dict[str, Contact]
-    joint_sets: dict[str, tuple[str, ...]] = Field(default={})
-    postures: dict[str, dict[str, float]] = Field(default={})
+    contacts: dict[str, Contact] = Field(min_length=1)
+    joint_sets: dict[str, JointNames] = Field(default={})
+    postures: dict[str, dict[str, Number]] = Field(default={})
 
 
 class Base(Model):
     """Where an arm stands in the world: the pose of its URDF's root, position [m] and fixed-axis angles [rad]."""
 
-    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    position: Place = (0.0, 0.0, 0.0)
+    rpy: Angles = (0.0, 0.0, 0.0)
 
 
 class Mount(Model):
@@ -100,7 +106,7 @@ class Mount(Model):
     face: str
     base: Base | None = None
     joints: dict[str, Joint]
-    joint_sets: dict[str, tuple[str, ...]] = Field(default={})
+    joint_sets: dict[str, JointNames] = Field(default={})
 
 
 class Robot(Model):
@@ -178,6 +184,22 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
     }
     found = [limit for name in robot.joints if (limit := limits[name]) is not None]
     return tuple(float(f.get("lower", "0")) for f in found), tuple(float(f.get("upper", "0")) for f in found)
+
+
+@cache
+def names_taken() -> Mapping[str, Mapping[str, str]]:
+    """The names of links, joints and joint sets that a hand's own may not have, each with what has it."""
+    taken = {
+        "link": dict[str, str](),
+        "joint": {"mounting": "the joint between mount and hand"},
+        "joint set": {"all": "the set of all joints"},
+    }
+    for name, mount in mounts().items():
+        for element in ElementTree.fromstring(_model(mount.urdf)):
+            if element.tag in taken:
+                taken[element.tag][element.get("name", "")] = f"a {element.tag} of the mount {name}"
+        taken["joint set"].update(dict.fromkeys(mount.joint_sets, f"a joint set of the mount {name}"))
+    return taken
 
 
 @cache

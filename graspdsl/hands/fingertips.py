@@ -2,38 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from graspdsl.spec.fields import Model
+from graspdsl.spec.fields import Metres, Model, Number, Unit, exactly, fault
 
-Metres = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Place = tuple[float, float, float]
+Size = Annotated[Metres, Field(gt=0.0, le=1.0)]
+Coordinate = Annotated[Metres, Field(ge=-2.0, le=2.0)]
+Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], exactly(3, "[x, y, z]: a place (m)")]
+Angle = Annotated[Number, Unit("rad"), Field(ge=-2 * math.pi, le=2 * math.pi)]
+Angles = Annotated[tuple[Angle, Angle, Angle], exactly(3, "[roll, pitch, yaw]: three angles (rad)")]
+Direction = Annotated[tuple[Number, Number, Number], exactly(3, "[x, y, z]: a direction")]
 
 
 class SphereTip(Model):
     """A sphere, centred at ``centre`` in the frame of the fingertip's link [m]."""
 
     centre: Place = (0.0, 0.0, 0.0)
-    radius: Metres
+    radius: Size
 
 
 class EllipsoidTip(Model):
     """An ellipsoid with semi-axes [m] along the axes of a frame that ``rpy`` [rad] turns from the link's."""
 
     centre: Place = (0.0, 0.0, 0.0)
-    semi_axes: tuple[Metres, Metres, Metres]
-    rpy: Place = (0.0, 0.0, 0.0)
+    semi_axes: Annotated[tuple[Size, Size, Size], exactly(3, "[a, b, c]: three lengths (m)")]
+    rpy: Angles = (0.0, 0.0, 0.0)
 
 
 class CapsuleTip(Model):
     """A capsule: all points within ``radius`` of a segment of ``length`` [m] about ``centre``, along ``axis``."""
 
     centre: Place = (0.0, 0.0, 0.0)
-    radius: Metres
-    length: Metres
-    axis: Place = (1.0, 0.0, 0.0)
+    radius: Size
+    length: Size
+    axis: Direction = (1.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> CapsuleTip:
+        if not 1e-6 < max(map(abs, self.axis)) < 1e6:
+            raise fault("zero-axis", "the axis of a capsule needs a direction", "for example [1, 0, 0]")
+        return self
 
 
 FingertipShape = SphereTip | EllipsoidTip | CapsuleTip

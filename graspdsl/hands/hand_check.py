@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+
+from pydantic_core import PydanticCustomError
 
 from graspdsl.diagnostics import Diagnostic, known_names_hint
-from graspdsl.hands.descriptions import Hand
-from graspdsl.hands.robot_model import FIXED, HINGES, ModelJoint, RobotModel
+from graspdsl.hands.descriptions import Contact, Hand, names_taken
+from graspdsl.hands.robot_model import ModelJoint, RobotModel
+from graspdsl.hands.urdf_rules import FIXED, HINGES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
+from graspdsl.spec.models import folder_name
+from graspdsl.spec.wording import shortened
 
 
 def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
     """What a hand file says that its model does not bear out."""
     check = _Check(hand, model, document)
     return [
+        *check.names(),
         *check.links(),
         *check.joints(),
         *check.couplings(),
@@ -28,6 +34,36 @@ class _Check:
     def __init__(self, hand: Hand, model: RobotModel, document: Document) -> None:
         self._hand, self._model, self._document = hand, model, document
 
+    def names(self) -> Iterator[Diagnostic]:
+        """Names of the hand's own, which stand in formulas and on pages, and those that its mount has already."""
+        own: dict[Path, Collection[str]] = {
+            ("contacts",): self._hand.contacts,
+            ("joint_sets",): self._hand.joint_sets,
+            ("postures",): self._hand.postures,
+        }
+        for path, names in own.items():
+            for name in names:
+                try:
+                    folder_name(name)
+                except PydanticCustomError as error:
+                    context = error.context or {}
+                    yield self._error(error.type, context["message"], (*path, name), context["hint"], key=True)
+        taken = names_taken()
+        links, joints, sets = taken["link"], taken["joint"], taken["joint set"]
+        for what, names, others in (
+            ("link", self._model.links, links),
+            ("joint", self._model.joints, {**joints, **sets}),
+        ):
+            for name in sorted({*names} & {*others}):
+                message = f"the {what} {name} of the model has the name of {others[name]}"
+                key = "mjcf" if self._hand.mjcf else "urdf"
+                yield self._error("name-taken", message, (key,), "rename it in the model")
+        for name in self._hand.joint_sets:
+            others = {**dict.fromkeys(self._model.joints, "a joint"), **joints, **sets}
+            if name in others:
+                message = f"the joint set {name} has the name of {others[name]}"
+                yield self._error("name-taken", message, ("joint_sets", name), "give it another name", key=True)
+
     def links(self) -> Iterator[Diagnostic]:
         for key, link in (("root", self._hand.root), ("palm", self._hand.palm)):
             if link and link not in self._model.links:
@@ -38,7 +74,8 @@ class _Check:
         for name in self._hand.joints:
             yield from self._movable(name, ("joints", name), movable)
         spoken_for = {*self._hand.joints, *self._hand.couplings}
-        for name in sorted(movable - spoken_for):
+        # A name that is not there is most likely one of those left out, misspelt.
+        for name in sorted(movable - spoken_for) if spoken_for <= {*self._model.joints} else ():
             message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
             yield self._error(
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
@@ -92,13 +129,32 @@ class _Check:
                 message = f"the contact {name} has no link"
                 yield self._error("missing-key", message, path, "name its link and its shape", key=True)
                 continue
+            yield from self._finger(contact, (*path, "finger"))
             if contact.link not in self._model.links:
                 yield self._unknown("link", contact.link, (*path, "link"), self._model.links)
-            for place, joint in enumerate(contact.finger):
-                if joint not in self._hand.joints:
-                    yield self._unknown("joint", joint, (*path, "finger", place), self._hand.joints)
-            if contact.cell:
+            elif contact.cell:
                 yield from self._cell(contact.cell, contact.link, (*path, "cell"))
+
+    def _finger(self, contact: Contact, path: Path) -> Iterator[Diagnostic]:
+        movers = self._model.movers(contact.link)
+        coupled = {self._hand.couplings[name].follows for name in movers if name in self._hand.couplings}
+        moving = [name for name in self._hand.joints if name in movers or name in coupled]
+        yield from self._joint_list(contact.finger, path)
+        for place, joint in enumerate(contact.finger):
+            known = joint in self._model.joints and contact.link in self._model.links
+            if known and joint in self._hand.joints and joint not in moving:
+                message = f"the joint {joint} does not move {contact.link}"
+                hint = f"joints that do: {', '.join(moving)}" if moving else "name another link or another joint"
+                yield self._error("wrong-finger", message, (*path, place), hint)
+
+    def _joint_list(self, joints: Sequence[str], path: Path) -> Iterator[Diagnostic]:
+        for place, joint in enumerate(joints):
+            if joint not in self._hand.joints:
+                yield self._unknown("joint", joint, (*path, place), self._hand.joints)
+            elif joint in joints[:place]:
+                yield self._error(
+                    "declared-twice", f"{joint} stands twice in this list", (*path, place), "keep one of them"
+                )
 
     def _cell(self, name: str, link: str, path: Path) -> Iterator[Diagnostic]:
         cell = self._model.joints.get(name)
@@ -115,9 +171,7 @@ class _Check:
 
     def joint_sets(self) -> Iterator[Diagnostic]:
         for name, joints in self._hand.joint_sets.items():
-            for place, joint in enumerate(joints):
-                if joint not in self._hand.joints:
-                    yield self._unknown("joint", joint, ("joint_sets", name, place), self._hand.joints)
+            yield from self._joint_list(joints, ("joint_sets", name))
 
     def postures(self) -> Iterator[Diagnostic]:
         for posture, joints in self._hand.postures.items():
@@ -126,7 +180,11 @@ class _Check:
                 limits = self._limits(name)
                 if name not in self._hand.joints:
                     yield self._unknown("joint", name, path, self._hand.joints, key=True)
-                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
+                elif (
+                    limits is not None
+                    and limits[0] < limits[1]
+                    and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING
+                ):
                     message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
                     yield self._error("out-of-range", message, path, "keep within the limits of the joint")
 
@@ -136,7 +194,10 @@ class _Check:
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        return self._error(f"unknown-{what}", f"there is no {what} {name!r} in the model", path, hint, key)
+        message = f"there is no {what} {shortened(name)!r} in the model"
+        if what == "joint" and name in self._model.joints:
+            message = f"{name} is not among the driven joints"
+        return self._error(f"unknown-{what}", message, path, hint, key)
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)

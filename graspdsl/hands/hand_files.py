@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.hand_check import faults
+from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
 from graspdsl.spec.document import Document, parse_document
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.spec.files import SIZE_LIMIT
+from graspdsl.spec.named_files import SpecFolder, refusal
 from graspdsl.spec.validation import validate_document
 
 SUFFIXES = (".yaml", ".yml")
@@ -27,10 +28,11 @@ class HandFileError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class FoundHand:
-    """A hand that was read from a file, and the text of its URDF, meshes named by where they are."""
+    """A hand that was read from a file, the text of its URDF, meshes named by where they are, and warnings."""
 
     hand: Hand
     model: str
+    warnings: tuple[Diagnostic, ...] = ()
 
 
 def names_a_file(name: str) -> bool:
@@ -44,6 +46,9 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
     Raises DiagnosticError when the file cannot be read, HandFileError with every fault in it.
     """
     content = files.read(name)
+    if len(content) > SIZE_LIMIT:
+        message = f"{name} is too large: {len(content)} bytes, where a hand file may have {SIZE_LIMIT}"
+        raise refusal("file-too-large", message, "check that this is the file you meant")
     text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
     try:
         document = parse_document(text, name)
@@ -55,7 +60,8 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
         places = {mesh: _mesh(files, name, hand.urdf, mesh, document) for mesh in model.meshes}
     except DiagnosticError as error:
         raise HandFileError(name, text, error) from None
-    return FoundHand(completed(hand, model), model.with_meshes(places))
+    warnings = tuple(_placed(warning, document) for warning in model.warnings)
+    return FoundHand(completed(hand, model), model.with_meshes(places), warnings)
 
 
 def completed(hand: Hand, model: RobotModel) -> Hand:
@@ -89,12 +95,8 @@ def completed(hand: Hand, model: RobotModel) -> Hand:
 def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
     if contact.finger:
         return contact
-    before: Mapping[str, tuple[str, str]] = {joint.child: (name, joint.parent) for name, joint in model.joints.items()}
-    chain, link = [], contact.link
-    while link in before:
-        name, link = before[link]
-        chain.append(name)
-    return contact.model_copy(update={"finger": tuple(name for name in reversed(chain) if name in hand.joints)})
+    own = tuple(name for name in model.movers(contact.link) if name in hand.joints)
+    return contact.model_copy(update={"finger": own})
 
 
 def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> RobotModel:
@@ -122,10 +124,15 @@ def _mesh(files: SpecFolder, name: str, urdf: str, mesh: str, document: Document
     for candidate in candidates:
         inside = _beside(_beside(name, urdf), candidate)
         try:
-            files.read(inside)
-            return str(files.place(inside).resolve())
+            content = files.read(inside)
         except DiagnosticError as error:
             missing = missing or error
+            continue
+        try:
+            check_mesh(mesh, content)
+        except DiagnosticError as error:
+            raise _at(error, document) from None
+        return str(files.place(inside).resolve())
     assert missing is not None
     raise _at(missing, document)
 
@@ -136,5 +143,9 @@ def _beside(name: str, other: str) -> str:
 
 def _at(error: DiagnosticError, document: Document) -> DiagnosticError:
     """The same complaints, at the place where the model is named."""
-    span = document.span(("mjcf",) if "mjcf" in document.data else ("urdf",))
-    return DiagnosticError([Diagnostic(d.code, d.message, span=span, hint=d.hint) for d in error.diagnostics])
+    return DiagnosticError([_placed(diagnostic, document) for diagnostic in error.diagnostics])
+
+
+def _placed(diagnostic: Diagnostic, document: Document) -> Diagnostic:
+    key = "root" if diagnostic.code == "unknown-root" else "mjcf" if "mjcf" in document.data else "urdf"
+    return replace(diagnostic, span=document.span((key,)))

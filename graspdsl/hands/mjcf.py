@@ -2,167 +2,244 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.spec.named_files import refusal
+from graspdsl.basis.rotations import roll_pitch_yaw
+from graspdsl.hands.mjcf_defaults import MAIN, Defaults
+from graspdsl.hands.mjcf_geoms import solids_of
+from graspdsl.hands.mjcf_inertia import principal
+from graspdsl.hands.mjcf_known import check_inside, whole
+from graspdsl.hands.mjcf_parts import HERE, Angles, Part, Pose, Source
 
 HINGE, SLIDE = "hinge", "slide"
-Attributes = Mapping[str, str]
+FIXED = "fixed"
+ON_OFF = ("auto", "true", "false")
+NEIGHBOURS = 2  # links that are at most so many joints apart never touch in a world
 
 
 def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
-    """The URDF tree of a MJCF tree. Raises DiagnosticError for what has no place in it, by name.
+    """The URDF tree of a MJCF tree. Raises DiagnosticError for what has no place in it, by name, line and column.
 
-    Read are nested bodies with ``inertial``, at most one joint each, and spheres, capsules (cylinders with two balls),
-    cylinders and boxes, with classes of defaults; angles as the compiler says. Actuators, tendons and sites are left
-    out: a hand file says what is driven and coupled.
+    Read are nested bodies and frames with ``inertial``, at most one hinge or slide each, and spheres, capsules
+    (cylinders with two balls), cylinders and boxes, with classes of defaults; angles as the compiler says. Where the
+    outermost body is in its own world is nothing to a hand on a mount. Left out are looks, sites and sensors;
+    actuators, tendons and equalities of joints, for a hand file says what is driven and coupled; the friction and
+    softness of contacts and the options of the solver, for these are the spec's and the world's. Geoms that touch
+    nothing of contype and conaffinity 1 are only drawn.
     """
-    return _Conversion(tree, file).robot()
+    return _Conversion(tree, Source(file)).robot()
+
+
+class _Inner(NamedTuple):
+    """An element of a body, also within frames: where these are in the body, and the class that they give it."""
+
+    element: ElementTree.Element
+    about: Pose
+    inherited: str
 
 
 class _Conversion:
-    def __init__(self, tree: ElementTree.Element, file: str) -> None:
-        self._tree, self._file = tree, file
-        compiler = tree.find("compiler")
-        settings = {} if compiler is None else compiler.attrib
-        self._degrees = settings.get("angle", "degree") == "degree"
-        self._sequence = settings.get("eulerseq", "xyz")
-        self._classes: dict[str, dict[str, Attributes]] = {}
-        for default in tree.findall("default"):
-            self._read_defaults(default, {})
+    def __init__(self, tree: ElementTree.Element, source: Source) -> None:
+        self._tree, self._source = tree, source
+        whole(source, tree)
+        check_inside(source, tree)
+        self._angles, self._autolimits = _compiler(tree, source)
+        self._defaults = Defaults(source, tree)
         self._robot = ElementTree.Element("robot", name=tree.get("model", "hand"))
-
-    def _read_defaults(self, default: ElementTree.Element, above: Mapping[str, Attributes]) -> None:
-        found = {**above}
-        for element in default:
-            if element.tag != "default":
-                found[element.tag] = {**found.get(element.tag, {}), **element.attrib}
-        self._classes[default.get("class", "main")] = found
-        for inner in default.findall("default"):
-            self._read_defaults(inner, found)
+        self._parents: dict[str, str | None] = {}
+        self._joints: set[str] = set()
 
     def robot(self) -> ElementTree.Element:
-        world = self._tree.find("worldbody")
-        bodies = [] if world is None else world.findall("body")
+        worlds = self._tree.findall("worldbody")
+        for world in worlds:
+            whole(self._source, world)
+        inside = [inner for world in worlds for inner in self._inside(world, HERE, MAIN)]
+        bodies = [inner for inner in inside if inner.element.tag == "body"]
         if len(bodies) != 1:
-            raise self._refused(f"the world has {len(bodies)} bodies, where a hand is one")
-        self._body(bodies[0], None, np.zeros(3), "main")
+            at = bodies[1].element if bodies else self._tree
+            raise self._source.refused(at, f"the world has {len(bodies)} bodies, where a hand is one", None)
+        for inner in inside:
+            if inner.element.tag != "body":
+                self._check_floor(self._defaults.part(inner.element, inner.inherited))
+        self._body(bodies[0], None, np.zeros(3))
+        self._check_contacts()
         return self._robot
 
-    def _body(self, body: ElementTree.Element, parent: str | None, shift: Array, above: str) -> None:
-        """One body as a link; ``shift`` (3,) [m]: where the parent link's frame is in the parent body's."""
-        name = body.get("name", "")
-        if not name:
-            raise self._refused("a body has no name")
-        inherited = body.get("childclass", above)
-        joints = body.findall("joint")
-        if len(joints) > 1:
-            raise self._refused(f"the body {name} has {len(joints)} joints; put a body between them")
-        joint = self._whole("joint", joints[0], inherited) if joints else None
-        # A URDF joint turns about the frame of its link.
-        moved = np.zeros(3) if joint is None or parent is None else _numbers(joint.get("pos", "0 0 0"))
-        self._link(body, name, moved, inherited)
-        if parent is not None:
-            turned = self._rotation(body.attrib)
-            place = _numbers(body.get("pos", "0 0 0")) + turned.apply(moved) - shift
-            self._joint(joint, name, parent, place, turned)
-        for inner in body.findall("body"):
-            self._body(inner, name, moved, inherited)
+    def _inside(self, element: ElementTree.Element, about: Pose, inherited: str) -> Iterator[_Inner]:
+        check_inside(self._source, element)
+        for inner in element:
+            if inner.tag == "frame":
+                part = whole(self._source, inner)
+                yield from self._inside(inner, about.then(self._angles.pose(part)), self._given(inner, inherited))
+            elif inner.tag in ("body", "joint", "geom", "inertial"):
+                yield _Inner(inner, about, inherited)
 
-    def _joint(self, joint: Attributes | None, body: str, parent: str, place: Array, turned: Rotation) -> None:
-        kind = FIXED if joint is None else KINDS.get(joint.get("type", HINGE), "")
-        if not kind:
-            raise self._refused(f"the joint of the body {body} is neither a hinge nor a slide")
-        name = f"{body}-fixed" if joint is None else joint.get("name", f"{body}-joint")
-        made = ElementTree.SubElement(self._robot, "joint", name=name, type=kind)
+    def _given(self, element: ElementTree.Element, inherited: str) -> str:
+        """The class that a body or a frame gives what is in it."""
+        name = element.get("childclass", inherited)
+        self._defaults.check(element, name)
+        return name
+
+    def _body(self, body: _Inner, parent: str | None, shift: Array) -> None:
+        """One body as a link; ``shift`` (3,) [m]: where the parent link's frame is in the parent body's."""
+        part = whole(self._source, body.element)
+        name = part.attributes.get("name", "")
+        if not name:
+            raise part.refused("a body has no name", "name it")
+        if name in self._parents:
+            raise part.refused("another body has this name", "give each its own")
+        self._parents[name] = parent
+        inside = list(self._inside(body.element, HERE, self._given(body.element, body.inherited)))
+        joints = [inner for inner in inside if inner.element.tag == "joint"]
+        if len(joints) > 1:
+            raise part.refused(f"the body has {len(joints)} joints", "put a body between them")
+        joint = self._defaults.part(joints[0].element, joints[0].inherited) if joints else None
+        if joint is not None and parent is None:
+            raise joint.refused("the outermost body has a joint", "take it out, or put the body into one without")
+        # A URDF joint turns about the frame of its link.
+        hinge = HERE if joint is None else joints[0].about.then(Pose(joint.numbers("pos", "0 0 0", 3), HERE.turned))
+        link = self._link(part, name, inside, hinge.place, joint is not None)
+        if parent is not None:
+            pose = body.about.then(self._angles.pose(part))
+            made = self._joint(joint, hinge, name, parent)
+            _origin(made, Pose(pose.then(hinge).place - shift, pose.turned))
+        for inner in inside:
+            if inner.element.tag == "body":
+                self._body(inner, name, hinge.place)
+            elif inner.element.tag == "geom":
+                self._geom(self._defaults.part(inner.element, inner.inherited), link, inner.about, hinge.place)
+
+    def _joint(self, joint: Part | None, hinge: Pose, body: str, parent: str) -> ElementTree.Element:
+        name = f"{body}-fixed" if joint is None else joint.attributes.get("name", f"{body}-joint")
+        made = ElementTree.SubElement(self._robot, "joint", name=name, type=FIXED)
         ElementTree.SubElement(made, "parent", link=parent)
         ElementTree.SubElement(made, "child", link=body)
-        _origin(made, place, turned)
         if joint is None:
-            return
-        ElementTree.SubElement(made, "axis", xyz=joint.get("axis", "0 0 1"))
-        if "range" in joint:
-            scale = np.pi / 180.0 if self._degrees and kind == "revolute" else 1.0
-            low, high = (f"{scale * end:.9g}" for end in _numbers(joint["range"]))
-            ElementTree.SubElement(made, "limit", lower=low, upper=high, effort="0", velocity="10")
+            return made
+        if name in self._joints:
+            raise joint.refused("another joint has this name", "give each its own")
+        self._joints.add(name)
+        kind = joint.attributes.get("type", HINGE)
+        if kind not in (HINGE, SLIDE):
+            raise joint.refused(f"the joint of the body {body} is neither a hinge nor a slide, but {kind!r}")
+        axis = joint.numbers("axis", "0 0 1", 3)
+        axis = hinge.turned.apply(joint.direction("axis", axis) if "axis" in joint.attributes else axis)
+        ElementTree.SubElement(made, "axis", xyz=_text(axis))
+        damping = joint.number("damping", "0")
+        if damping < 0.0:
+            raise joint.refused(f"its damping is negative: {damping:g}", None)
+        ElementTree.SubElement(made, "dynamics", damping=f"{damping!r}")
+        limits, strength = self._limits(joint, "range", "limited"), self._strength(joint)
+        made.set("type", "prismatic" if kind == SLIDE else "continuous" if limits is None else "revolute")
+        if limits is not None:
+            low, high = (self._angles.radians(limits) if kind == HINGE else limits).tolist()
+            limit = {"lower": f"{low!r}", "upper": f"{high!r}", "effort": f"{strength!r}", "velocity": "10"}
+            ElementTree.SubElement(made, "limit", limit)
+        return made
 
-    def _link(self, body: ElementTree.Element, name: str, moved: Array, inherited: str) -> None:
+    def _limits(self, joint: Part, key: str, switch: str) -> Array | None:
+        """The ends (2,) of a range that is on, None of one that is off."""
+        state = joint.word(switch, ON_OFF)
+        ends = joint.numbers(key, "0 0", 2)
+        if state == "false":
+            return None
+        if state == "auto" and key in joint.attributes and not self._autolimits:
+            raise joint.refused(f"it has a {key}, but does not say whether it is {switch}", f'write {switch}="true"')
+        if ends[0] > ends[1] or (state == "true" and ends[0] == ends[1]):
+            raise joint.refused(f"its {key} leaves no room: {_text(ends)}", "the lower end comes first")
+        return ends if ends[0] < ends[1] else None
+
+    def _strength(self, joint: Part) -> float:
+        """The most that drives a joint [N or Nm], zero where the file does not say."""
+        ends = self._limits(joint, "actuatorfrcrange", "actuatorfrclimited")
+        if ends is None:
+            return 0.0
+        if ends[0] != -ends[1]:
+            raise joint.refused("its actuatorfrcrange is not as strong either way", "write it as -a a")
+        return float(ends[1])
+
+    def _link(self, body: Part, name: str, inside: list[_Inner], moved: Array, moves: bool) -> ElementTree.Element:
         link = ElementTree.SubElement(self._robot, "link", name=name)
-        inertial = body.find("inertial")
-        if inertial is None:
-            raise self._refused(f"the body {name} has no <inertial>")
+        inertials = [inner for inner in inside if inner.element.tag == "inertial"]
+        if not inertials:
+            raise body.refused("the body has no <inertial>", "give it one")
+        if len(inertials) > 1:
+            raise body.refused(f"the body has {len(inertials)} <inertial>", "keep one")
+        part = whole(self._source, inertials[0].element)
+        check_inside(self._source, part.element)
+        mass, moments, axes = principal(part, moves)
+        pose = inertials[0].about.then(self._angles.pose(part)).then(Pose(np.zeros(3), axes))
         made = ElementTree.SubElement(link, "inertial")
-        _origin(made, _numbers(inertial.get("pos", "0 0 0")) - moved, self._rotation(inertial.attrib))
-        ElementTree.SubElement(made, "mass", value=inertial.get("mass", "0"))
-        xx, yy, zz = _numbers(inertial.get("diaginertia", "0 0 0"))
-        ElementTree.SubElement(
-            made, "inertia", ixx=f"{xx:.9g}", iyy=f"{yy:.9g}", izz=f"{zz:.9g}", ixy="0", ixz="0", iyz="0"
-        )
-        for geom in body.findall("geom"):
-            self._geom(self._whole("geom", geom, inherited), link, name, moved)
+        _origin(made, Pose(pose.place - moved, pose.turned))
+        ElementTree.SubElement(made, "mass", value=f"{mass!r}")
+        xx, yy, zz = map(repr, moments.tolist())
+        ElementTree.SubElement(made, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
+        return link
 
-    def _geom(self, geom: Attributes, link: ElementTree.Element, body: str, moved: Array) -> None:
-        kind, size = geom.get("type", "sphere"), _numbers(geom.get("size", "0.01"))
-        place, turned = _numbers(geom.get("pos", "0 0 0")), self._rotation(geom)
-        length = 2.0 * float(size[1]) if len(size) > 1 else 0.0
-        if "fromto" in geom:
-            ends = _numbers(geom["fromto"]).reshape(2, 3)
-            place, length = ends.mean(axis=0), float(np.linalg.norm(ends[1] - ends[0]))
-            turned, _ = Rotation.align_vectors([ends[1] - ends[0]], [[0.0, 0.0, 1.0]])
-        along = turned.apply([0.0, 0.0, 0.5 * length])
-        tube = {"radius": f"{size[0]:.9g}", "length": f"{length:.9g}"}
-        ball = {"radius": f"{size[0]:.9g}"}
-        shapes = {
-            "sphere": [("sphere", ball, place)],
-            "cylinder": [("cylinder", tube, place)],
-            "capsule": [("cylinder", tube, place), ("sphere", ball, place + along), ("sphere", ball, place - along)],
-            "box": [("box", {"size": " ".join(f"{2.0 * edge:.9g}" for edge in size)}, place)],
-        }
-        if kind not in shapes:
-            raise self._refused(f"the body {body} has a {kind}, which is not read: only {', '.join(shapes)}")
-        touches = geom.get("contype", "1") != "0" or geom.get("conaffinity", "1") != "0"
-        for tag, attributes, centre in shapes[kind]:
+    def _geom(self, geom: Part, link: ElementTree.Element, about: Pose, moved: Array) -> None:
+        check_inside(self._source, geom.element)
+        touches = any(int(geom.number(mask, "1")) & 1 for mask in ("contype", "conaffinity"))
+        for solid in solids_of(geom, self._angles):
+            pose = about.then(solid.pose)
             for use in ("visual", "collision") if touches else ("visual",):
                 made = ElementTree.SubElement(link, use)
-                _origin(made, centre - moved, turned)
-                ElementTree.SubElement(ElementTree.SubElement(made, "geometry"), tag, attributes)
+                _origin(made, Pose(pose.place - moved, pose.turned))
+                ElementTree.SubElement(ElementTree.SubElement(made, "geometry"), solid.tag, dict(solid.sizes))
 
-    def _whole(self, tag: str, element: ElementTree.Element, inherited: str) -> dict[str, str]:
-        """The attributes of an element with those of its class of defaults."""
-        defaults = self._classes.get(element.get("class", inherited), {})
-        return {**defaults.get(tag, {}), **element.attrib}
+    def _check_floor(self, geom: Part) -> None:
+        if geom.attributes.get("type") != "plane":
+            raise geom.refused("it belongs to the world and not to the hand", "take it out, or put it into a body")
 
-    def _rotation(self, attributes: Attributes) -> Rotation:
-        if "quat" in attributes:
-            return Rotation.from_quat(_numbers(attributes["quat"]), scalar_first=True)
-        if "euler" in attributes:
-            # Capital letters turn about the axes as they have been turned, in scipy's words as in MJCF's small ones.
-            swapped = self._sequence.swapcase()
-            return Rotation.from_euler(swapped, _numbers(attributes["euler"]), degrees=self._degrees)
-        if "axisangle" in attributes:
-            *axis, angle = _numbers(attributes["axisangle"])
-            vector = np.array(axis) / np.linalg.norm(axis) * (np.radians(angle) if self._degrees else angle)
-            return Rotation.from_rotvec(vector)
-        return Rotation.identity()
+    def _check_contacts(self) -> None:
+        for tag in ("contact", "equality"):
+            for section in self._tree.findall(tag):
+                check_inside(self._source, section)
+        for element in self._tree.findall("contact/exclude"):
+            part = whole(self._source, element)
+            bodies = [part.attributes.get(key, "") for key in ("body1", "body2")]
+            if not set(bodies) <= set(self._parents):
+                raise part.refused(f"there is no such pair of bodies: {' and '.join(bodies)}", None)
+            if self._apart(*bodies) > NEIGHBOURS:
+                message = f"{bodies[0]} and {bodies[1]} are more than {NEIGHBOURS} joints apart and would touch"
+                raise part.refused(message)
 
-    def _refused(self, what: str) -> Exception:
-        return refusal("not-in-mjcf", f"{self._file}: {what}", "change it, or describe the hand in URDF")
+    def _apart(self, one: str, other: str) -> int:
+        """How many joints are between two bodies."""
+        return len(set(self._ancestors(one)) ^ set(self._ancestors(other)))
 
-
-FIXED = "fixed"
-KINDS = {HINGE: "revolute", SLIDE: "prismatic"}
-
-
-def _numbers(text: str) -> Array:
-    return np.array([float(word) for word in text.split()])
+    def _ancestors(self, body: str) -> Iterator[str]:
+        at: str | None = body
+        while at is not None:
+            yield at
+            at = self._parents[at]
 
 
-def _origin(of: ElementTree.Element, place: Array, turned: Rotation) -> None:
-    rpy = turned.as_euler("xyz")
-    xyz, angles = (" ".join(f"{number:.9g}" for number in numbers) for numbers in (place, rpy))
-    ElementTree.SubElement(of, "origin", xyz=xyz, rpy=angles)
+def _compiler(tree: ElementTree.Element, source: Source) -> tuple[Angles, bool]:
+    """The unit and the sequence of angles, and whether a range alone limits a joint; later elements go first."""
+    angles, autolimits = Angles(True, "xyz"), True
+    for element in tree.findall("compiler"):
+        part = whole(source, element)
+        check_inside(source, element)
+        if "angle" in part.attributes:
+            angles = Angles(part.word("angle", ("degree", "radian")) == "degree", angles.sequence)
+        if "autolimits" in part.attributes:
+            autolimits = part.word("autolimits", ("true", "false")) == "true"
+        sequence = part.attributes.get("eulerseq", angles.sequence)
+        if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
+            raise part.refused(f"its eulerseq is {sequence!r}", "expected three letters out of xyzXYZ")
+        angles = Angles(angles.degrees, sequence)
+    return angles, autolimits
+
+
+def _text(numbers: Array) -> str:
+    return " ".join(map(repr, numbers.tolist()))
+
+
+def _origin(of: ElementTree.Element, pose: Pose) -> None:
+    rpy = np.array(roll_pitch_yaw(pose.turned.as_matrix()))
+    ElementTree.SubElement(of, "origin", xyz=_text(pose.place), rpy=_text(rpy))

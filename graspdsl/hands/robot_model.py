@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.hands.kinematic_tree import MOST_FAULTS, Ends, KinematicTree
+from graspdsl.hands.urdf_check import UrdfCheck
+from graspdsl.hands.urdf_rules import FIXED, FIXED_JOINT, HINGES, LINK, MATERIAL, MOVING_JOINT
 from graspdsl.spec.named_files import refusal
+from graspdsl.spec.wording import shortened
+from graspdsl.spec.xml_files import place_in, xml_tree
 
-FIXED = "fixed"
-HINGES = ("revolute", "prismatic", "continuous")
+MOST_LINKS = 300
+MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +31,15 @@ class ModelJoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
-    """A model below its root: its XML, its links, its joints by name and the mesh files that it names."""
+    """A model below its root: its XML as far as it was checked, its links, its joints by name, the mesh files that it
+    names, and what is doubtful about it."""
 
     tree: ElementTree.Element
     root: str
     links: tuple[str, ...]
     joints: Mapping[str, ModelJoint]
     meshes: tuple[str, ...]
+    warnings: tuple[Diagnostic, ...] = ()
 
     def with_meshes(self, places: Mapping[str, str]) -> str:
         """The text of the model, its mesh files named by their places."""
@@ -40,80 +47,121 @@ class RobotModel:
             mesh.set("filename", places.get(mesh.get("filename", ""), ""))
         return ElementTree.tostring(self.tree, encoding="unicode")
 
+    def movers(self, link: str) -> tuple[str, ...]:
+        """The joints from the root to a link, the first one first."""
+        before = {joint.child: (name, joint.parent) for name, joint in self.joints.items()}
+        chain = []
+        while link in before:
+            name, link = before[link]
+            chain.append(name)
+        return tuple(reversed(chain))
+
 
 def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     """The model in a URDF or MJCF file, without what is not below ``root`` (empty: all of it).
 
-    Raises DiagnosticError for what is no URDF, for a root that is not there, and for links that form no tree.
+    Raises DiagnosticError for what is no URDF, for links that form no tree, for a root that is not there, and with
+    every number that the engine could not take.
     """
-    tree = _parsed(content, name)
-    joints = {joint.get("name", ""): _joint(joint, name) for joint in tree.findall("joint")}
-    links = [link.get("name", "") for link in tree.findall("link")]
-    children = {joint.child for joint in joints.values()}
-    tops = [link for link in links if link not in children]
-    if not root and len(tops) != 1:
-        message = (
-            f"{name} has {len(tops)} links without a parent, where a robot has one: {', '.join(tops[:5]) or 'none'}"
+    robot = _parsed(content, name)
+    whole = KinematicTree.of(robot, name)
+    if root and root not in whole.links:
+        raise refusal(
+            "unknown-root", f"there is no link {root!r} in the model", known_names_hint(root, whole.links, "links")
         )
-        raise refusal("no-root", message, "name the link to begin with: root: …")
-    root = root or tops[0]
-    below = _below(root, joints)
-    for element in [*tree.findall("link"), *tree.findall("joint")]:
-        kept = below if element.tag == "link" else {n for n, joint in joints.items() if joint.parent in below}
-        if element.get("name", "") not in kept:
-            tree.remove(element)
-    meshes = dict.fromkeys(mesh.get("filename", "") for mesh in tree.iter("mesh"))
+    root = root or whole.root
+    below = whole.below(root)
+    joints = {joint: ends for joint, ends in whole.joints.items() if ends.parent in below}
+    _moderate(below, joints, name)
+    check = UrdfCheck(name)
+    kept = ElementTree.Element("robot", name="hand")
+    for material in robot.findall("material"):
+        kept.append(check.copy(material, MATERIAL, "a material"))
+    links = {link: check.copy(whole.links[link], LINK, f"the link {link}") for link in whole.links if link in below}
+    models = {}
+    for joint, ends in joints.items():
+        kind = FIXED_JOINT if ends.kind == FIXED else MOVING_JOINT
+        made = check.copy(ends.element, kind, f"the joint {joint}")
+        models[joint] = (made, ends)
+    _masses(whole, joints, links, check)
+    if check.found:
+        raise DiagnosticError(check.found[:MOST_FAULTS])
+    for link in links.values():
+        _without_mass(link)
+        kept.append(link)
+    kept.extend(made for made, _ in models.values())
     return RobotModel(
-        tree,
+        kept,
         root,
-        tuple(link for link in links if link in below),
-        {n: joint for n, joint in joints.items() if joint.parent in below},
-        tuple(meshes),
+        tuple(links),
+        {joint: _joint(made, ends) for joint, (made, ends) in models.items()},
+        tuple(dict.fromkeys(mesh.get("filename", "") for mesh in kept.iter("mesh"))),
+        tuple(check.warnings),
     )
 
 
 def _parsed(content: bytes, name: str) -> ElementTree.Element:
-    if re.search(rb"<!(DOCTYPE|ENTITY)", content):
-        raise refusal("not-a-urdf", f"{name} has a document type declaration, which a URDF needs not", "remove it")
-    try:
-        tree = ElementTree.fromstring(content)
-    except ElementTree.ParseError as error:
-        line, column = error.position
-        raise refusal("not-a-urdf", f"{name} is no XML: line {line}, column {column + 1}: {error.msg}", None) from None
-    except (ValueError, LookupError) as error:  # an unknown or wrong encoding
-        raise refusal("not-a-urdf", f"{name} is no XML: {error}", None) from None
+    tree = xml_tree(content, name)
     if tree.tag == "mujoco":
         from graspdsl.hands.mjcf import urdf_of_mjcf
 
-        try:
-            return urdf_of_mjcf(tree, name)
-        except ValueError as error:
-            raise refusal("not-in-mjcf", f"{name}: a number cannot be read: {error}", None) from None
+        return urdf_of_mjcf(tree, name)
     if tree.tag != "robot":
-        raise refusal("not-a-urdf", f"{name} is no URDF: its root is <{tree.tag}>, not <robot>", None)
+        message = f"{name} is no URDF: its root is <{shortened(tree.tag)}>, not <robot>"
+        raise refusal("not-a-urdf", message, "name a URDF or a MJCF file")
+    macro = next((element for element in tree if element.tag.startswith("{http://") and "xacro" in element.tag), None)
+    if macro is not None:
+        message = f"{place_in(name, macro)}: this is a xacro file, not yet a URDF"
+        raise refusal("not-a-urdf", message, "expand it: xacro hand.xacro > hand.urdf")
     return tree
 
 
-def _joint(joint: ElementTree.Element, file: str) -> ModelJoint:
-    parent, child, limit = joint.find("parent"), joint.find("child"), joint.find("limit")
-    if parent is None or child is None:
-        raise refusal("not-a-urdf", f"{file}: the joint {joint.get('name')!r} does not join two links", None)
-    try:
-        ends = None if limit is None else (float(limit.get("lower", "0")), float(limit.get("upper", "0")))
-        effort = None if limit is None else float(limit.get("effort", "0"))
-    except ValueError:
-        raise refusal(
-            "not-a-urdf", f"{file}: the limits of the joint {joint.get('name')!r} are no numbers", None
-        ) from None
-    return ModelJoint(joint.get("type", ""), parent.get("link", ""), child.get("link", ""), ends, effort)
+def _moderate(below: Iterable[str], joints: Mapping[str, Ends], file: str) -> None:
+    links = len(set(below))
+    moving = sum(ends.kind in HINGES for ends in joints.values())
+    for count, most, what in ((links, MOST_LINKS, "links"), (moving, MOST_HINGES, "joints that move")):
+        if count > most:
+            message = f"{file} has {count} {what} below the root, where a hand may have {most}"
+            raise refusal("too-many-links", message, "name the link the hand begins with: root: …")
 
 
-def _below(root: str, joints: Mapping[str, ModelJoint]) -> set[str]:
-    found, waiting = {root}, [root]
-    while waiting:
-        link = waiting.pop()
-        for joint in joints.values():
-            if joint.parent == link and joint.child not in found:
-                found.add(joint.child)
-                waiting.append(joint.child)
-    return found
+def _joint(joint: ElementTree.Element, ends: Ends) -> ModelJoint:
+    limit = joint.find("limit")
+    limits, effort = None, None
+    if limit is not None:
+        limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
+        effort = float(limit.get("effort", "0"))
+    return ModelJoint(ends.kind, ends.parent, ends.child, limits, effort)
+
+
+def _masses(
+    whole: KinematicTree, joints: Mapping[str, Ends], links: Mapping[str, ElementTree.Element], check: UrdfCheck
+) -> None:
+    """A joint that moves needs mass behind it, and a mass that moves needs inertia: else the engine holds it still."""
+    for joint, ends in joints.items():
+        if ends.kind == FIXED or check.found:
+            continue
+        moved = [links[link] for link in whole.below(ends.child)]
+        heavy = [link for link in moved if _sum(link, "mass", ("value",)) > 0.0]
+        if not heavy:
+            message = f"the joint {joint} moves links without mass"
+            check.fault(ends.element, "no-mass", message, f"give {ends.child} an <inertial> with its mass")
+        for link in heavy:
+            if _sum(link, "inertia", ("ixx", "iyy", "izz")) == 0.0:
+                name = link.get("name", "")
+                hint = "work it out from its shape"
+                check.fault(whole.links[name], "wrong-inertia", f"the link {name} has a mass but no inertia", hint)
+
+
+def _sum(link: ElementTree.Element, tag: str, keys: tuple[str, ...]) -> float:
+    element = link.find(f"inertial/{tag}")
+    return 0.0 if element is None else sum(float(element.get(key, "0")) for key in keys)
+
+
+def _without_mass(link: ElementTree.Element) -> None:
+    """A link that says nothing of its mass has none, as URDF has it; the engine would give it a kilogram."""
+    if link.find("inertial") is None:
+        inertial = ElementTree.SubElement(link, "inertial")
+        ElementTree.SubElement(inertial, "mass", value="0")
+        zeros = dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), "0")
+        ElementTree.SubElement(inertial, "inertia", zeros)

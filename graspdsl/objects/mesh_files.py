@@ -57,7 +57,11 @@ def mesh_of_file(
     length = float(np.ptp(mesh.vertices, axis=0).max())
     if length > MOST_LENGTH:
         raise refusal("bad-mesh", f"{name} is {length:.3g} m long", "check its scale")
-    mesh.merge_vertices()
+    # Where textures or normals change across an edge, its corners are in the file once for each side.
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    mesh.update_faces(np.diff(np.sort(mesh.faces, axis=1), axis=1).all(axis=1))
+    if len(mesh.faces) == 0:
+        raise refusal("flat-mesh", f"{name} is flat: its triangles are lines", None)
     if centred:
         mesh.apply_translation(-mesh.bounds.mean(axis=0))
     return _solid(name, mesh, length, convex, warn)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from pathlib import PurePosixPath
 from typing import NamedTuple
@@ -11,14 +10,17 @@ from xml.etree import ElementTree
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.diagnostics import Diagnostic
+from graspdsl.basis.rotations import roll_pitch_yaw
+from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
+from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
 from graspdsl.spec.named_files import SpecFolder, refusal
+from graspdsl.spec.xml_files import place_in, xml_tree
 
-LARGEST = 1024 * 1024  # bytes
 MOST_PARTS = 200
+MOST_LINKS = 2000
 MOST_LENGTH = 1e6  # m
 PACKAGE = "package://"
 
@@ -47,34 +49,29 @@ class UrdfObject(NamedTuple):
 
 
 def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
-    """The collision geometry of a URDF file as one solid; its inertias are not believed.
+    """The collision geometry of a URDF file as one solid of the masses that it states; its inertias are not believed.
 
+    Each part is of even density, so that the centre of mass and the inertia count twice what is in two of them, also in
+    a file that states its own: that is said to ``warn`` where two parts notably overlap, as ``overlaps`` estimates it.
     Raises DiagnosticError when it has none, is no URDF, or has joints that move.
     """
     if PurePosixPath(name).suffix.lower() != ".urdf":
         raise refusal("unknown-urdf-format", f"{name} is no URDF file: expected .urdf", "name a .urdf, or use mesh")
-    content = folder.read(name)
-    if len(content) > LARGEST:
-        raise refusal("file-too-large", f"{name} is too large: a URDF may have {LARGEST} bytes", None)
-    return _Urdf(name, content, folder, warn).read()
+    return _Urdf(name, folder.read(name), folder, warn).read()
 
 
 class _Urdf:
     def __init__(self, name: str, content: bytes, folder: SpecFolder, warn: Warn) -> None:
         self._name, self._folder, self._warn = name, folder, warn
-        if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-            raise refusal("bad-urdf", f"{name} declares entities, which no URDF needs", "leave its DOCTYPE out")
-        try:
-            self._robot = ElementTree.fromstring(content)
-        except ElementTree.ParseError as error:
-            line, column = error.position
-            message = f"{name} is no XML: line {line}, column {column + 1}"
-            raise refusal("bad-urdf", message, "check that it is a URDF file") from None
+        self._part_places: list[str] = []
+        self._robot = xml_tree(content, name)
         if self._robot.tag != "robot":
             raise self._bad(f"its root is <{self._robot.tag}>, not <robot>")
 
     def read(self) -> UrdfObject:
         links = {link.get("name", ""): link for link in self._robot.iter("link")}
+        if len(links) > MOST_LINKS:
+            raise self._bad(f"it has {len(links)} links, where an object may have {MOST_LINKS}")
         frames = self._frames(links)
         parts = [
             self._placed(frames[name].then(frame), part) for name in links for frame, part in self._parts(links[name])
@@ -84,7 +81,20 @@ class _Urdf:
         if len(parts) > MOST_PARTS:
             raise self._bad(f"it has {len(parts)} parts, where an object may have {MOST_PARTS}")
         masses = [self._number(m, "value", 0.0) for link in links.values() for m in link.findall("inertial/mass")]
+        self._warn_of_overlaps(parts)
         return UrdfObject(centred(parts), max(sum(masses), 0.0))
+
+    def _warn_of_overlaps(self, parts: list[Placed]) -> None:
+        found = next(overlaps(parts), None)
+        if found is None:
+            return
+        first, second = self._part_places[found.first], self._part_places[found.second]
+        message = (
+            f"the collision parts at {first} and {second} share about {found.share:.0%} of the smaller: "
+            "the centre of mass and the inertia of the object count twice what is in both"
+        )
+        hint = "make the parts touch without overlapping"
+        self._warn(Diagnostic("overlapping-parts", message, None, hint, Severity.WARNING))
 
     def _frames(self, links: dict[str, ElementTree.Element]) -> dict[str, Frame]:
         """Each link's frame in that of the root, all joints fixed."""
@@ -100,24 +110,27 @@ class _Urdf:
             if parent not in links or child not in links or child in joints:
                 raise self._bad(f"its joint {name} does not join two links into a tree")
             joints[child] = (parent, self._frame(joint))
-        frames: dict[str, Frame] = {}
-        for name in links:
-            frame, at = ORIGIN, name
-            for _ in links:
-                if at not in joints:
-                    break
-                at, step = joints[at]
-                frame = step.then(frame)
-            if at in joints:
-                raise self._bad("its joints go round in a circle")
-            frames[name] = frame
-        if len(set(links) - set(joints)) != 1:
+        tops = [name for name in links if name not in joints]
+        inside: dict[str, list[str]] = {}
+        for name, (parent, _) in joints.items():
+            inside.setdefault(parent, []).append(name)
+        frames = dict.fromkeys(tops, ORIGIN)
+        waiting = list(tops)
+        while waiting:
+            above = waiting.pop()
+            for name in inside.get(above, ()):
+                frames[name] = frames[above].then(joints[name][1])
+                waiting.append(name)
+        if len(frames) < len(links):
+            raise self._bad("its joints go round in a circle")
+        if len(tops) != 1:
             raise self._bad("its links are not joined to one body")
         return frames
 
     def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Part]]:
         for collision in link.findall("collision"):
             for geometry in collision.findall("geometry/*"):
+                self._part_places.append(place_in(self._name, geometry))
                 yield self._frame(collision), self._part(geometry)
 
     def _part(self, geometry: ElementTree.Element) -> Part:
@@ -152,7 +165,7 @@ class _Urdf:
 
     def _placed(self, frame: Frame, part: Part) -> Placed:
         x, y, z = frame.position.tolist()
-        return Placed(part, (x, y, z), _angles(frame.rotation))
+        return Placed(part, (x, y, z), roll_pitch_yaw(frame.rotation))
 
     def _frame(self, element: ElementTree.Element) -> Frame:
         origin = element.find("origin")
@@ -199,11 +212,3 @@ class _Urdf:
 
     def _bad(self, what: str) -> Exception:
         return refusal("bad-urdf", f"{self._name} is no URDF of an object: {what}", None)
-
-
-def _angles(rotation: Array) -> Extent:
-    """Roll, pitch and yaw [rad] of a rotation (3, 3)."""
-    pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
-    if math.cos(pitch) < 1e-9:
-        return (math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0)
-    return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])

@@ -22,8 +22,8 @@ def _version(value: Any) -> Any:
     return value
 
 
-def _folder_name(name: str) -> str:
-    """A name becomes part of a folder's name, on any system."""
+def folder_name(name: str) -> str:
+    """A name that may become part of a folder's name, on any system; refuses others."""
     if not re.fullmatch(r"[^\W_](?:[\w.-]{0,58}\w)?", name):
         slug = re.sub(r"[^\w.-]+", "-", name).strip("-_.")[:60].rstrip("-_.")
         message = f"expected a name of up to 60 letters, digits, '-', '_' and '.', found {shown(name)}"
@@ -70,7 +70,7 @@ class Spec(Model):
     graspdsl: Annotated[Literal[1], BeforeValidator(_version)] = Field(
         description="the version of this format", examples=[1]
     )
-    name: Annotated[str, AfterValidator(_folder_name)] = Field(
+    name: Annotated[str, AfterValidator(folder_name)] = Field(
         description="a short name, also of the folder of results", examples=["towel-roll-two-contacts"]
     )
     about: str = Field(default="", description="what the spec is for")

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import exponential, logarithm, turn_between, turned
+from graspdsl.basis.rotations import exponential, logarithm, roll_pitch_yaw, turn_between, turned
 
 from .drawing import generator, unit_vectors
 
@@ -93,3 +93,12 @@ def test_batches_and_broadcasts(function: object) -> None:
     assert whole.shape == many.shape
     for place in np.ndindex(2, 3, 4):
         np.testing.assert_allclose(whole[place], function(many[place], one), atol=1e-15)
+
+
+def test_roll_pitch_and_yaw_make_the_rotation_also_where_the_pitch_is_a_right_angle() -> None:
+    pitches = [side * (np.pi / 2 - away) for side in (-1.0, 1.0) for away in (0.0, *np.logspace(-16, 0, 33))]
+    angles = [(roll, pitch, yaw) for roll in (-3.0, 0.0, 0.7) for pitch in pitches for yaw in (-1.2, 0.0, np.pi)]
+    random = Rotation.random(100, random_state=4)
+    for rotation in (*Rotation.from_euler("xyz", angles).as_matrix(), *random.as_matrix()):
+        found = Rotation.from_euler("xyz", roll_pitch_yaw(rotation)).as_matrix()
+        np.testing.assert_allclose(found, rotation, atol=CLOSE)

@@ -127,7 +127,7 @@ MODELS = (
     ({"urdf": "<html/>"}, "<html>"),
     ({"mesh": "<visual><geometry><mesh filename='no.stl'/></geometry></visual>"}, "no.stl"),
     ({"lower": "2"}, "leave no room"),
-    ({"lower": "wide"}, "no numbers"),
+    ({"lower": "wide"}, "expected a number"),
 )
 
 

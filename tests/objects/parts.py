@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import trimesh
+
+from graspdsl.arrays import Array
 
 AWAY = (1.0, 2.0, 3.0)  # m: the origin of a file is not where the object is
 
@@ -30,6 +33,19 @@ def write(mesh: trimesh.Trimesh, path: Path) -> Path:
     """The mesh in a file, in the format of its suffix."""
     mesh.export(path)
     return path
+
+
+def textured(corners: Array, polygons: Sequence[Sequence[int]]) -> str:
+    """An OBJ file whose polygons of corners (n, 3), numbered from 0, each have texture and normal of their own."""
+    rows = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners.tolist()]
+    for face, polygon in enumerate(polygons):
+        around = np.roll(corners[list(polygon)], -1, axis=0)
+        normal = np.cross(corners[list(polygon)], around).sum(axis=0)
+        rows += [f"vt {face % 7 / 7!r} {place / 4!r}" for place in range(4)]
+        rows.append("vn " + " ".join(map(repr, (normal / np.linalg.norm(normal)).tolist())))
+        words = (f"{corner + 1}/{4 * face + place + 1}/{face + 1}" for place, corner in enumerate(polygon))
+        rows.append("f " + " ".join(words))
+    return "\n".join(rows) + "\n"
 
 
 URDF = """<robot name="lamp">

@@ -6,6 +6,7 @@ import os
 import struct
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -168,6 +169,7 @@ def _folder(path: Path) -> Path:
         "many.stl": b"\0" * 80 + struct.pack("<I", 600_000) + b"\0" * 50 * 600_000,
         "nan.stl": whole[:96] + struct.pack("<f", float("nan")) + whole[100:],
         "flat.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n",
+        "lines.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\nf 2 3 2\n",
         "index.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
         "binary.obj": b"\xff\xfe\x00" * 100,
         "part.step": b"ISO-10303-21;",
@@ -220,6 +222,7 @@ CASES = (
     Case("part.step", "unknown-mesh-format", "expected .stl or .obj"),
     Case("nan.stl", "bad-mesh", "nan.stl has corners whose coordinates are no numbers"),
     Case("flat.obj", "flat-mesh", "flat.obj is flat: it encloses no volume"),
+    Case("lines.obj", "flat-mesh", "lines.obj is flat: its triangles are lines"),
     Case("millimetres.stl", "object-size", "millimetres.stl is 180 m long", Severity.WARNING),
     Case("tiny.stl", "object-size", "tiny.stl is 0.00018 m long", Severity.WARNING),
     Case("holes.stl", "mesh-not-watertight", "holes.stl has holes: it is not watertight", Severity.WARNING),
@@ -228,8 +231,8 @@ CASES = (
     Case("apart.urdf", "bad-urdf", "its links are not joined to one body"),
     Case("bare.urdf", "bad-urdf", "it has no collision geometry"),
     Case("other.urdf", "bad-urdf", "its root is <html>, not <robot>"),
-    Case("broken.urdf", "bad-urdf", "broken.urdf is no XML: line 1"),
-    Case("entities.urdf", "bad-urdf", "entities.urdf declares entities"),
+    Case("broken.urdf", "bad-xml", "broken.urdf is no XML: line 1"),
+    Case("entities.urdf", "bad-xml", "the file declares a document type"),
     Case("negative.urdf", "bad-urdf", "the radius of its <sphere> is not positive"),
     Case("words.urdf", "bad-urdf", "expected three numbers in the size of its <box>"),
     Case("infinite.urdf", "bad-urdf", "the radius of its <sphere> is out of bounds"),
@@ -289,3 +292,19 @@ def test_contacts_cannot_float_on_a_mesh(folder: Path) -> None:
     codes = [found.code for found in examine(text, "spec.yaml", (), folder).diagnostics]
     assert "shape-not-in-world" in codes
     assert "file-not-found" not in codes
+
+
+def _chain(links: int) -> str:
+    link = "<link name='l{}'/><joint name='j{}' type='fixed'><parent link='l{}'/><child link='l{}'/></joint>"
+    rest = "".join(link.format(i, i, i - 1, i) for i in range(1, links))
+    return f"<robot><link name='l0'>{BOX}</link>{rest}</robot>"
+
+
+@pytest.mark.parametrize(("links", "said"), [(1900, ()), (2001, ("2001 links, where an object may have 2000",))])
+def test_very_many_links_take_no_time(links: int, said: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "long.urdf").write_text(_chain(links), encoding="utf-8")
+    began = time.perf_counter()
+    found = examine(_spec("{urdf: long.urdf}"), "spec.yaml", (), tmp_path).diagnostics
+    assert time.perf_counter() - began < 2.0
+    assert len(found) == len(said)
+    assert all(words in fault.message for words, fault in zip(said, found, strict=True))

@@ -22,4 +22,5 @@ def assembled_urdf(robot: Robot) -> str:
     joint = ET.SubElement(whole, "joint", name="mounting", type="fixed")
     ET.SubElement(joint, "parent", link=robot.mount.face)
     ET.SubElement(joint, "child", link=robot.hand.root)
+    ET.indent(whole)  # the engine cuts lines of more than some thousand characters
     return ET.tostring(whole, encoding="unicode")

@@ -14,6 +14,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.worlds.bullet.assembly import assembled_urdf
+from graspdsl.worlds.bullet.engine import silenced
 from graspdsl.worlds.fingertip_compliance import DAMPING, stiffness_under
 from graspdsl.worlds.protocol import Palm
 
@@ -59,14 +60,15 @@ class BulletHand:
         with tempfile.TemporaryDirectory(prefix="graspdsl-") as folder:
             path = Path(folder, "robot.urdf")
             path.write_text(assembled_urdf(robot), encoding="utf-8")
-            self.body: int = engine.loadURDF(
-                str(path),
-                position.tolist(),
-                quaternion.tolist(),
-                useFixedBase=True,
-                flags=engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION,
-                physicsClientId=client,
-            )
+            with silenced():
+                self.body: int = engine.loadURDF(
+                    str(path),
+                    position.tolist(),
+                    quaternion.tolist(),
+                    useFixedBase=True,
+                    flags=engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION,
+                    physicsClientId=client,
+                )
         self._read_joints()
         self._face = self.link_index[robot.mount.face]
         self._ignore_neighbours()

@@ -1,0 +1,154 @@
+"""Elements of a MJCF file with their attributes, and what is wrong with them at its line and column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from graspdsl.arrays import Array
+from graspdsl.diagnostics import DiagnosticError, listed
+from graspdsl.spec.named_files import refusal
+from graspdsl.spec.wording import shortened
+from graspdsl.spec.xml_files import place_in
+
+Attributes = Mapping[str, str]
+
+IN_URDF = "take it out, or describe the hand in URDF"
+ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+LONGEST = 200  # characters of a complaint
+SHORTEST = 1e-10  # the length of a vector that has no direction
+
+
+class Pose(NamedTuple):
+    """A frame in another: its origin (3,) [m] and how it is turned."""
+
+    place: Array
+    turned: Rotation
+
+    def then(self, inner: Pose) -> Pose:
+        """A frame given in this one."""
+        return Pose(self.place + self.turned.apply(inner.place), self.turned * inner.turned)
+
+
+HERE = Pose(np.zeros(3), Rotation.identity())
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A MJCF file, by its name."""
+
+    file: str
+
+    def refused(self, element: ElementTree.Element, what: str, hint: str | None = IN_URDF) -> DiagnosticError:
+        """A complaint about an element, at its line and column."""
+        return refusal("not-in-mjcf", f"{place_in(self.file, element)}: {shortened(what, LONGEST)}", hint)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """An element with its attributes, those of its class of defaults among them."""
+
+    source: Source
+    element: ElementTree.Element
+    attributes: Attributes
+
+    @property
+    def called(self) -> str:
+        """Its tag and name, for messages."""
+        return " ".join(filter(None, (f"<{self.element.tag}>", self.attributes.get("name"))))
+
+    def refused(self, what: str, hint: str | None = IN_URDF) -> DiagnosticError:
+        """A complaint about it."""
+        return self.source.refused(self.element, f"{self.called}: {what}", hint)
+
+    def word(self, key: str, known: tuple[str, ...]) -> str:
+        """One of the known words, the first where it says nothing."""
+        word = self.attributes.get(key, known[0])
+        if word not in known:
+            raise self.refused(f"its {key} is {word!r}", f"expected {listed(known, 'or')}")
+        return word
+
+    def numbers(self, key: str, otherwise: str, *counts: int) -> Array:
+        """So many finite numbers as one of the counts says."""
+        text = self.attributes.get(key, otherwise)
+        try:
+            numbers = np.array([float(word) for word in text.split()])
+        except ValueError:
+            raise self.refused(f"its {key} is {text!r}", "expected numbers with blanks between them") from None
+        if len(numbers) not in counts or not np.isfinite(numbers).all():
+            expected = listed([str(count) for count in counts], "or")
+            raise self.refused(f"its {key} is {text!r}", f"expected {expected} finite numbers")
+        return numbers
+
+    def number(self, key: str, otherwise: str) -> float:
+        """One finite number."""
+        return float(self.numbers(key, otherwise, 1)[0])
+
+    def direction(self, key: str, vector: Array) -> Array:
+        """The unit vector along a vector (3,) of an attribute."""
+        length = np.linalg.norm(vector)
+        if length < SHORTEST:
+            raise self.refused(f"its {key} gives no direction: {self.attributes[key]!r}", None)
+        unit: Array = vector / length
+        return unit
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """What the compiler says of angles: their unit, and about which axes Euler angles turn."""
+
+    degrees: bool
+    sequence: str
+
+    def radians(self, angles: Array) -> Array:
+        """Angles of the file in rad."""
+        return np.radians(angles) if self.degrees else angles
+
+    def pose(self, part: Part) -> Pose:
+        """Where a body, a frame, a geom or an inertia is in the frame that it is given in."""
+        return Pose(part.numbers("pos", "0 0 0", 3), self._turned(part))
+
+    def _turned(self, part: Part) -> Rotation:
+        given = [key for key in ORIENTATIONS if key in part.attributes]
+        if len(given) > 1:
+            raise part.refused(f"it is turned by {listed(given)}", "say in one way how it is turned")
+        match given:
+            case ["quat"]:
+                quaternion = part.numbers("quat", "", 4)
+                if np.linalg.norm(quaternion) < SHORTEST:
+                    raise part.refused("its quat is zero", "a quaternion of no turn is 1 0 0 0")
+                return Rotation.from_quat(quaternion, scalar_first=True)
+            case ["euler"]:
+                return self._euler(self.radians(part.numbers("euler", "", 3)))
+            case ["axisangle"]:
+                numbers = part.numbers("axisangle", "", 4)
+                return Rotation.from_rotvec(part.direction("axisangle", numbers[:3]) * self.radians(numbers[3:]))
+            case ["xyaxes"]:
+                numbers = part.numbers("xyaxes", "", 6)
+                x = part.direction("xyaxes", numbers[:3])
+                y = part.direction("xyaxes", numbers[3:] - (x @ numbers[3:]) * x)
+                return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
+            case ["zaxis"]:
+                return least_turn(part.direction("zaxis", part.numbers("zaxis", "", 3)))
+        return Rotation.identity()
+
+    def _euler(self, angles: Array) -> Rotation:
+        turned = Rotation.identity()
+        for letter, angle in zip(self.sequence, angles, strict=True):
+            step = Rotation.from_rotvec(angle * np.eye(3)["xyz".index(letter.lower())])
+            # Small letters turn about the axes as they have been turned, capitals about those of the parent.
+            turned = turned * step if letter.islower() else step * turned
+        return turned
+
+
+def least_turn(direction: Array) -> Rotation:
+    """The least rotation that takes the z axis to a unit vector (3,); of half a turn, the one about x."""
+    x, y, z = direction
+    across = np.hypot(x, y)
+    axis = np.array([-y, x, 0.0]) / across if across > SHORTEST else np.array([1.0, 0.0, 0.0])
+    return Rotation.from_rotvec(np.arctan2(across, z) * axis)
