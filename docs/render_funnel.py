@@ -32,7 +32,7 @@ def main() -> None:
     picture = Image.open(io.BytesIO(figure)).convert("RGB")
     size = (WIDTH, round(WIDTH * picture.height / picture.width))
     smaller = picture.resize(size, Image.Resampling.LANCZOS)
-    smaller.quantize(64).save(ROOT / "docs/images/funnel.png", optimize=True)
+    smaller.quantize(256).save(ROOT / "docs/images/funnel.png", optimize=True)
 
 
 if __name__ == "__main__":
