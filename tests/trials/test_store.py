@@ -14,6 +14,7 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
+from trials.whole import whole_rows
 
 MANIFEST = Manifest("a-run", "spec.yaml", ("scene.friction=0.5", "about=γ"), 2**63 - 1, 3, {"numpy": "2"})
 RECORD = TrialRecord(
@@ -41,9 +42,12 @@ RECORD = TrialRecord(
     normal_error=(0.1, 0.2),
     world_s=20.0,
     wall_s=0.7,
-    quality={"force-closure": {"closed": True, "margin": 1 / 3, "reason": ""}, "lift": {"kept": False, "moved": None}},
+    quality={
+        "force-closure": {"closed": True, "margin": 1 / 3, "reason": ""},
+        "lift": {"kept": False, "reason": "no contacts"},
+    },
 )
-TRIAL = Trial(RECORD, {"time": np.arange(4, dtype=np.float32), "points": np.ones((4, 3, 3), dtype=np.float32)})
+TRIAL = Trial(RECORD, {**whole_rows(4), "points": np.ones((4, 3, 3), dtype=np.float32)})
 
 
 @pytest.fixture
