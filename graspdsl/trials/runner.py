@@ -17,7 +17,8 @@ from pathlib import Path
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
-from graspdsl.trials.loop import TrialLoop, identity, versions
+from graspdsl.trials.identity import identities, other_origin, versions
+from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
@@ -40,7 +41,7 @@ class WorkerEndedError(Exception):
 def new_run(path: Path, program: Program, text: str, spec_file: str, overrides: Sequence[str]) -> RunFolder:
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
     trials = program.spec.trials
-    manifest = Manifest(program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions())
+    manifest = Manifest(program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions(program))
     return RunFolder.create(path, manifest, text, program.files)
 
 
@@ -59,8 +60,10 @@ def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | N
     program = program_of_run(folder)
     seed = folder.manifest.seed
     done = {record.number: record.identity for record in folder.finished()}
-    if any(identity(program, number, seed) != known for number, known in done.items()):
-        raise DiagnosticError([_differs(folder.manifest.versions)])
+    here = versions(program)
+    identity = identities(program, seed, here)
+    if any(identity(number) != known for number, known in done.items()):
+        raise DiagnosticError([_differs(folder.manifest.versions, here)])
     pending = [number for number in range(folder.manifest.asked) if number not in done]
     if not pending:
         return
@@ -79,10 +82,10 @@ def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | N
         folder.spend(time.perf_counter() - began)
 
 
-def _differs(made_by: Mapping[str, str]) -> Diagnostic:
-    changed = {name: version for name, version in versions().items() if made_by.get(name) != version}
+def _differs(made_by: Mapping[str, str], here: Mapping[str, str]) -> Diagnostic:
+    changed = {name: version for name, version in here.items() if made_by.get(name) != version}
     if not changed:
-        return Diagnostic("run-differs", "this run was made from another spec", hint="begin a new run")
+        return other_origin()
     before = listed(f"{name} {made_by.get(name, 'of no known version')}" for name in changed)
     now = listed(f"{name} {version}" for name, version in changed.items())
     return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")

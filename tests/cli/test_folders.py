@@ -11,8 +11,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
+from cli.program import SPEC, TRIALS, FinishedRun, graspdsl, numbers
 from graspdsl.cli.app import app
+from graspdsl.trials.identity import identities
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import RunFolder
 
 
 @pytest.fixture
@@ -142,6 +145,54 @@ def test_a_run_from_another_spec(copied: Path, tmp_path: Path) -> None:
         "  hint: leave it out: --resume knows its own\n",
     )
     (copied / "spec.yaml").write_text(text, encoding="utf-8")
-    answer = graspdsl("run", "--resume", "run", "--json", cwd=tmp_path)
-    assert (answer.returncode, codes(answer)) == (1, ["run-differs"])
-    assert "run: error[run-differs]: this run was made from another spec\n  hint: begin a new run" in answer.stderr
+    for words in (("run", "--resume", "run"), ("report", "run"), ("view", "run", "--images", "seen")):
+        _refused_as_another(words)
+    (copied / "spec.yaml").write_text(SPEC.read_text("utf-8"), "utf-8")
+    assert CliRunner().invoke(app, ["report", "run"]).exit_code == 0
+
+
+def _refused_as_another(words: tuple[str, ...]) -> None:
+    answer = CliRunner().invoke(app, list(words))
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (
+        1,
+        "",
+        "run: error[run-differs]: this run was made from another spec, other files or another seed than it holds now\n"
+        "  hint: put its own spec.yaml, run.json and files back, or begin a new run\n",
+    )
+
+
+def _edit(run: Path, **values: object) -> None:
+    manifest = run / "run.json"
+    manifest.write_text(json.dumps({**json.loads(manifest.read_text("utf-8")), **values}), "utf-8")
+
+
+@pytest.mark.parametrize(
+    "values", [{"seed": 7}, {"name": "another"}, {"asked": 4}, {"overrides": ["trials.count=3", "scene.friction=0.5"]}]
+)
+def test_a_manifest_that_was_changed(values: dict[str, object], copied: Path) -> None:
+    _edit(copied, **values)
+    _refused_as_another(("report", "run"))
+    _refused_as_another(("compare", "run", "run"))
+
+
+def test_trials_of_another_run(copied: Path) -> None:
+    _alter(copied, "UPDATE trials SET identity = '0123456789abcdef' WHERE number = 1")
+    _refused_as_another(("report", "run"))
+
+
+def test_a_run_of_other_versions_is_reported(copied: Path) -> None:
+    """Libraries differ between machines; a spec may mean something else only to another graspdsl."""
+    made_by = json.loads((copied / "run.json").read_text("utf-8"))["versions"]
+    program = program_of_run(RunFolder.open(copied))
+    elsewhere = {**made_by, "numpy": "1.26.0"}
+    of = identities(program, program.spec.trials.seed, elsewhere)
+    for number in range(TRIALS):
+        _alter(copied, f"UPDATE trials SET identity = '{of(number)}' WHERE number = {number}")
+    _edit(copied, versions=elsewhere)
+    answer = CliRunner().invoke(app, ["report", "run"])
+    assert (answer.exit_code, answer.stderr) == (0, "report: run/report.html\n")
+    _edit(copied, versions={**elsewhere, "graspdsl": "0.0.1"})
+    _alter(copied, "UPDATE trials SET identity = 'of another version'")
+    answer = CliRunner().invoke(app, ["report", "run"])
+    assert answer.exit_code == 0
+    assert answer.stderr.startswith("run: warning[run-unchecked]: this run was made by graspdsl 0.0.1; whether from")
