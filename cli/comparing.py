@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading
-from graspdsl.cli.messages import printable, result, result_json, writable
+from graspdsl.cli.messages import result, result_json, writable
 from graspdsl.cli.running import RUNS, opened
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.report.comparison import comparison
@@ -37,12 +37,12 @@ def comparison_text(numbers: dict[str, Any], place: Path) -> str:
         ", ".join([f"{number}: {run['name']}", *run["settings"], f"seed {run['seed']}", run["run"]])
         for number, run in enumerate(numbers["runs"], 1)
     ]
-    parts: list[RenderableType] = [Text(printable(writable(head)), overflow="fold") for head in heads]
+    parts: list[RenderableType] = [Text(writable(head), overflow="fold") for head in heads]
     for made in tables_of(numbers):
         side = table(made.title, *made.columns)
         for cells in made.rows:
             row(side, *cells)
         side.caption, side.caption_justify = made.note or None, "left"
         parts += ["", side]
-    written = Text(f"The page is {printable(str(place / PAGE))}.", overflow="fold")
+    written = Text(f"The page is {place / PAGE}.", overflow="fold")
     return text_of([*parts, "", *[Text(method) for method in methods_of(numbers)], written])

@@ -16,14 +16,14 @@ LIBRARIES = ("graspdsl", "numpy", "pybullet", "scipy")
 FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
 
 
-def versions(program: Program) -> dict[str, str]:
-    """The versions of what the numbers of a program's trials depend on."""
-    return {name: metadata.version(name) for name in (*LIBRARIES, *(FILE_READERS if program.files else ()))}
+def versions(*, readers: bool) -> dict[str, str]:
+    """The versions of what a trial's numbers depend on, with those of the readers of files where it needs them."""
+    return {name: metadata.version(name) for name in (*LIBRARIES, *(FILE_READERS if readers else ()))}
 
 
 def identity(program: Program, number: int, seed: int) -> str:
     """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
-    return identities(program, seed, versions(program))(number)
+    return identities(program, seed, versions(readers=bool(program.files)))(number)
 
 
 def identities(program: Program, seed: int, made_by: Mapping[str, str]) -> Callable[[int], str]:
@@ -50,7 +50,7 @@ def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
     manifest, trials = folder.manifest, program.spec.trials
     if (manifest.name, manifest.seed, manifest.asked) != (program.spec.name, trials.seed, trials.count):
         raise DiagnosticError([other_origin()])
-    here = versions(program)
+    here = versions(readers=bool(program.files))
     if manifest.versions.get("graspdsl") != here["graspdsl"] or not here.keys() <= manifest.versions.keys():
         by = f"graspdsl {manifest.versions.get('graspdsl', 'of no known version')}"
         message = f"this run was made by {by}; whether from the {SPEC} in it cannot be told by {here['graspdsl']}"

@@ -68,7 +68,7 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     """The record that a row holds. Raises ValueError for values that no trial has."""
     values = dict(zip(COLUMNS, row, strict=True))
     try:
-        values |= {name: tuple(from_json(values[name])) for name in _NUMBERS}
+        values |= {name: _tuple(values[name]) for name in _NUMBERS}
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
         values |= {name: math.nan for name in _MEASURED if values[name] is None}
         values["outcome"] = Outcome(values["outcome"])
@@ -89,6 +89,13 @@ def _stored(value: object) -> object:
     if isinstance(value, dict | tuple):
         return json.dumps(value)
     return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _tuple(text: Any) -> tuple[Any, ...]:
+    value = from_json(text)
+    if not isinstance(value, list):
+        raise TypeError
+    return tuple(value)
 
 
 def _numbers_in(value: object) -> Iterator[float]:

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
-from graspdsl.trials.identity import identities, other_origin, versions
+from graspdsl.trials.identity import FILE_READERS, identity, other_origin, versions
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import trial_loop
@@ -41,7 +41,9 @@ class WorkerEndedError(Exception):
 def new_run(path: Path, program: Program, text: str, spec_file: str, overrides: Sequence[str]) -> RunFolder:
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
     trials = program.spec.trials
-    manifest = Manifest(program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions(program))
+    manifest = Manifest(
+        program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions(readers=bool(program.files))
+    )
     return RunFolder.create(path, manifest, text, program.files)
 
 
@@ -60,10 +62,8 @@ def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | N
     program = program_of_run(folder)
     seed = folder.manifest.seed
     done = {record.number: record.identity for record in folder.finished()}
-    here = versions(program)
-    identity = identities(program, seed, here)
-    if any(identity(number) != known for number, known in done.items()):
-        raise DiagnosticError([_differs(folder.manifest.versions, here)])
+    if any(identity(program, number, seed) != known for number, known in done.items()):
+        raise DiagnosticError([_differs(folder.manifest.versions)])
     pending = [number for number in range(folder.manifest.asked) if number not in done]
     if not pending:
         return
@@ -82,7 +82,8 @@ def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | N
         folder.spend(time.perf_counter() - began)
 
 
-def _differs(made_by: Mapping[str, str], here: Mapping[str, str]) -> Diagnostic:
+def _differs(made_by: Mapping[str, str]) -> Diagnostic:
+    here = versions(readers=not made_by.keys().isdisjoint(FILE_READERS))
     changed = {name: version for name, version in here.items() if made_by.get(name) != version}
     if not changed:
         return other_origin()

@@ -41,6 +41,13 @@ class Manifest:
     versions: Mapping[str, str]
     wall_s: Duration = 0.0
 
+    def as_json(self) -> bytes:
+        """The content of its file. Raises DiagnosticError for names that are no text."""
+        try:
+            return (json.dumps(dataclasses.asdict(self), indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+        except UnicodeEncodeError as error:
+            raise _refused("not-utf8", "a name in the manifest of this run is not UTF-8 text", "rename it") from error
+
 
 class RunFolder:
     """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has."""
@@ -52,6 +59,7 @@ class RunFolder:
     def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[NamedFile] = ()) -> RunFolder:
         """A new run folder, with copies of files. Raises DiagnosticError where one cannot be made."""
         folder = cls(path, manifest)
+        content = manifest.as_json()  # or refused, before there is anything to leave half made
         with folder._writing():
             path.mkdir(parents=True, exist_ok=True)
             try:
@@ -66,7 +74,7 @@ class RunFolder:
                 copy = folder.files / file.kept_as
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 copy.write_bytes(file.content)
-            folder._save_manifest()
+            folder._save_manifest(content)
             with folder._table() as table:
                 table.execute(_TABLE_MADE_BY)
         return folder
@@ -164,8 +172,9 @@ class RunFolder:
     def spend(self, wall_s: float) -> None:
         """Add to the wall time that the run has taken."""
         self.manifest = dataclasses.replace(self.manifest, wall_s=self.manifest.wall_s + wall_s)
+        content = self.manifest.as_json()
         with self._writing():
-            self._save_manifest()
+            self._save_manifest(content)
 
     def _save_trajectory(self, trial: Trial) -> None:
         file = self.trajectory_file(trial.record.number)
@@ -187,10 +196,9 @@ class RunFolder:
         message = f"this run is damaged: its {file} cannot be read: {reason}"
         return _refused("run-damaged", message, f"begin a new run, from its {SPEC} if that is left")
 
-    def _save_manifest(self) -> None:
-        text = json.dumps(dataclasses.asdict(self.manifest), indent=2, ensure_ascii=False)
+    def _save_manifest(self, content: bytes) -> None:
         draft = self.path / f"{MANIFEST}.{os.getpid()}.new"
-        draft.write_text(text + "\n", encoding="utf-8")
+        draft.write_bytes(content)
         draft.replace(self.path / MANIFEST)
 
     @contextmanager

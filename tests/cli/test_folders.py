@@ -9,10 +9,12 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from rich.text import Text
 from typer.testing import CliRunner
 
-from cli.program import SPEC, TRIALS, FinishedRun, graspdsl, numbers
+from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
 from graspdsl.cli.app import app
+from graspdsl.cli.tables import row, table, text_of
 from graspdsl.trials.identity import identities
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import RunFolder
@@ -196,3 +198,53 @@ def test_a_run_of_other_versions_is_reported(copied: Path) -> None:
     answer = CliRunner().invoke(app, ["report", "run"])
     assert answer.exit_code == 0
     assert answer.stderr.startswith("run: warning[run-unchecked]: this run was made by graspdsl 0.0.1; whether from")
+
+
+def test_what_steers_a_terminal_is_shown_and_not_done(copied: Path) -> None:
+    """A folder's name and a library's version may hold anything; neither reaches the terminal as it is."""
+    named = copied.rename(copied.parent / "run\x1b[2J\x9b1A")
+    _edit(named, versions={"graspdsl": "\x1b]0;title\x07"})
+    for words in (("report", named.name), ("compare", named.name, named.name), ("report", named.name, "--json")):
+        answer = CliRunner().invoke(app, [*words])
+        assert answer.exit_code == 0
+        assert "2J" in answer.stdout
+        assert "title" in answer.stderr
+        assert not set("\x1b\x9b\x07") & set(answer.stdout + answer.stderr)
+
+
+def test_tables_show_text_only() -> None:
+    side = table("a\x1b[2Jtitle", "a\x1b[2Jcolumn")
+    row(side, "a\x1b[2Jcell")
+    side.caption = "a\x1b[2Jcaption"
+    text = text_of(["a\x1b[2Jline", Text("a\x1b[2Jtext"), side], "a\x1b[2Jcommand")
+    assert text.count("\ufffd[2J") == 7
+    assert "\x1b" not in text
+
+
+NO_TEXT = "x\udcff"  # how Python keeps the byte ff of a name
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", NO_TEXT),
+        ("run", str(SPEC), "--out", NO_TEXT),
+        ("run", "--resume", NO_TEXT),
+        ("report", NO_TEXT),
+        ("compare", NO_TEXT, NO_TEXT),
+        ("view", NO_TEXT, "--images", "seen"),
+        ("validate", NO_TEXT),
+    ],
+)
+def test_names_that_are_no_text(words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, [*words])
+    complaint = "x\ufffd: error[not-utf8]: this name is not UTF-8 text\n  hint: give it another name\n"
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (1, "", complaint)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_program_refuses_names_that_are_no_text(tmp_path: Path) -> None:
+    answer = graspdsl("run", SPEC, "--out", NO_TEXT, "--json", cwd=tmp_path)
+    assert (answer.returncode, codes(answer)) == (1, ["not-utf8"])
+    assert list(tmp_path.iterdir()) == []
