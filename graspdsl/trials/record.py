@@ -12,7 +12,7 @@ from pydantic import Field, FiniteFloat
 from graspdsl.arrays import Float32Array
 from graspdsl.trials.outcomes import Outcome
 
-LARGEST_VALUE = 1e12  # of any SI unit: far above what a trial measures, far below where sums overflow
+LARGEST_VALUE = 1e30  # of any SI unit: above what a simulation that blew up measures, below where squares overflow
 
 # Bounds for records that are read back; those that a trial makes keep them by themselves.
 Count = Annotated[int, Field(ge=0)]

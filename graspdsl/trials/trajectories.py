@@ -19,7 +19,7 @@ from graspdsl.trials.record import LARGEST_VALUE
 Rows = dict[str, Float32Array]  # one row a tick, by name; none where a trial ended before its first tick
 
 LARGEST_FILE = 512 * 1024 * 1024  # bytes, packed or not
-AFTER_LIMITS = 60.0  # s that the last probe of a trial may go on after its time was up
+AFTER_LIMIT = 60.0  # s that the last probe of a phase may go on after its time was up
 _CONTACTS, _JOINTS = "contacts", "joints"
 _SHAPES: Mapping[str, tuple[int | str, ...]] = {
     "time": (),
@@ -44,7 +44,7 @@ class DamagedTrajectoryError(Exception):
 @dataclass(frozen=True, slots=True)
 class Layout:
     """What the trajectories of a program have in common: contacts, recorded joints, phases, and the time [s] at which
-    every phase has reached its limit."""
+    every phase is past its limit."""
 
     contacts: int
     joints: int
@@ -55,7 +55,7 @@ class Layout:
     def of(cls, program: Program) -> Layout:
         """The layout of a program's trajectories."""
         joints = 0 if program.world.floats else len(program.robot.joints)
-        limit = math.fsum(phase.limit for phase in program.spec.program)
+        limit = math.fsum(phase.limit + AFTER_LIMIT for phase in program.spec.program)
         return cls(len(program.robot.contacts), joints, len(program.phases), limit)
 
 
@@ -126,7 +126,7 @@ def _check_values(rows: Rows, layout: Layout | None) -> None:
     unknown = [name for name in _ALWAYS_KNOWN if not np.isfinite(rows[name]).all()]
     if large or unknown:
         raise DamagedTrajectoryError(f"it has impossible values of {_listed(large or unknown)}")
-    if time[0] < 0 or (np.diff(time) < 0).any() or (layout is not None and time[-1] > layout.limit + AFTER_LIMITS):
+    if time[0] < 0 or (np.diff(time) < 0).any() or (layout is not None and time[-1] > layout.limit):
         raise DamagedTrajectoryError("its times cannot be")
     if (phase < 0).any() or (phase % 1 != 0).any() or (layout is not None and phase.max() >= layout.phases):
         raise DamagedTrajectoryError("its phases cannot be")

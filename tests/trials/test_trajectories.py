@@ -81,7 +81,7 @@ CHANGES: dict[str, tuple[Callable[[Rows], Any], str]] = {
     ),
     "time is not a number": (lambda rows: rows["time"].fill(np.nan), "it has impossible values of time"),
     "joints without end": (lambda rows: rows["joints"].fill(np.inf), "it has impossible values of joints"),
-    "a huge force": (lambda rows: rows["forces"].fill(1e30), "it has impossible values of forces"),
+    "a huge force": (lambda rows: rows["forces"].fill(1e36), "it has impossible values of forces"),
     "time goes back": (lambda rows: rows.update(time=-rows["time"]), "its times cannot be"),
     "a trial of a year": (lambda rows: rows["time"][4:].fill(3e7), "its times cannot be"),
     "a phase that there is not": (lambda rows: rows["phase"].fill(1), "its phases cannot be"),
