@@ -25,7 +25,7 @@ from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, r
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
 FILES = "files"  # copies of those that the spec names
-LONGEST_VALUE = 1024 * 1024  # bytes of one value in the table
+LARGEST_TABLE, LONGEST_VALUE = 1024**3, 1024**2  # bytes of the table's file and of one value in it
 _TABLE_MADE_BY = f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))"
 
 
@@ -116,6 +116,11 @@ class RunFolder:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
         if not (self.path / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
+        if (self.path / TABLE).stat().st_size > LARGEST_TABLE:
+            raise self._damaged(TABLE, f"it is larger than {LARGEST_TABLE} bytes")
+        for beside in (self.path / f"{TABLE}{suffix}" for suffix in ("-journal", "-wal", "-shm")):
+            if beside.exists() and not beside.is_file():  # SQLite would wait for ever for what a pipe has to say
+                raise self._damaged(TABLE, f"{beside.name} beside it is not a regular file")
         try:
             with self._table() as table:
                 rows = self._rows(table)

@@ -249,10 +249,10 @@ def test_a_table_that_another_program_holds(folder: RunFolder) -> None:
         assert _refusal(folder.path) == ("run-in-use", "another program holds this run's trials.sqlite")
 
 
-@pytest.mark.parametrize("name", ["run.json", "trials.sqlite"])
+@pytest.mark.parametrize("name", ["run.json", "trials.sqlite", "trials.sqlite-journal", "trials.sqlite-wal"])
 @pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo])
-def test_what_is_no_file(make: Callable[[Path], None], name: str, folder: RunFolder) -> None:
-    (folder.path / name).unlink()
+def test_places_that_are_no_files(make: Callable[[Path], None], name: str, folder: RunFolder) -> None:
+    (folder.path / name).unlink(missing_ok=True)
     make(folder.path / name)
     assert _refusal(folder.path)[0] in {"not-a-run", "run-damaged"}
 
@@ -290,3 +290,9 @@ def test_names_that_are_no_text_are_refused_before_anything_is_made(tmp_path: Pa
     with pytest.raises(DiagnosticError, match="is not UTF-8 text"):
         RunFolder.create(tmp_path / "run", dataclasses.replace(MANIFEST, spec_file="\udcff.yaml"), "")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_of_more_than_a_gigabyte(folder: RunFolder) -> None:
+    os.truncate(folder.path / "trials.sqlite", 2**30 + 1)
+    message = "this run is damaged: its trials.sqlite cannot be read: it is larger than 1073741824 bytes"
+    assert _refusal(folder.path) == ("run-damaged", message)
