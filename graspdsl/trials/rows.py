@@ -16,6 +16,7 @@ from graspdsl.trials.record import LARGEST_VALUE, TrialRecord
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
+_ANGLES = ("orientation_start", "orientation_end")
 _NUMBERS = ("contact_forces", "point_error", "normal_error")
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
 
@@ -80,6 +81,8 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
         raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}") from None
     if any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
         raise ValueError("a value is too large to be measured")
+    if any(not (math.isnan(angle) or 0.0 <= angle <= math.pi / 2) for angle in (values[name] for name in _ANGLES)):
+        raise ValueError("an orientation is not between 0 and π/2")
     if any(abs(value) == math.inf for value in _numbers_in(values["quality"])):
         raise ValueError("a grade is infinite")
     return TrialRecord(**values)

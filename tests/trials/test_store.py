@@ -199,6 +199,8 @@ def _alter(folder: RunFolder, statement: str, *values: object) -> None:
         ("ticks", 1.5, "trial 2: ticks: input should be a valid integer"),
         ("ticks_to_converge", "9", "trial 2: ticks_to_converge: input should be a valid integer"),
         ("orientation_end", "steep", "trial 2: orientation_end: input should be a valid number"),
+        ("orientation_end", 1.6, "trial 2: an orientation is not between 0 and π/2"),
+        ("orientation_start", -0.1, "trial 2: an orientation is not between 0 and π/2"),
         ("object_shift", -1e300, "trial 2: a value is too large to be measured"),
         ("world_s", None, "trial 2: world_s: input should be a valid number"),
         ("world_s", math.inf, "trial 2: world_s: input should be a finite number"),
