@@ -11,10 +11,12 @@ import typer
 
 from graspdsl.cli.inputs import answering, judged, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
+from graspdsl.cli.words import Commands
 from graspdsl.diagnostics import has_errors
 
 app = typer.Typer(
     name="graspdsl",
+    cls=Commands,
     help="Write grasp controllers as formulas, run them, see what they did.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -185,7 +187,7 @@ def explain(
             Form.TREE: Explanation.tree,
             Form.PIPELINE: Explanation.pipeline,
         }[form]
-        result("\n\n".join(show(explanation) for explanation in found))
+        result(printable("\n\n".join(show(explanation) for explanation in found)))
 
 
 @app.command()

@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading
-from graspdsl.cli.messages import printable, result, result_json, say, writable
+from graspdsl.cli.messages import result, result_json, say, writable
 from graspdsl.cli.running import RUNS, opened
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.report.comparison import comparison
@@ -38,7 +38,7 @@ def comparison_text(numbers: dict[str, Any]) -> str:
         ", ".join([f"{number}: {run['name']}", *run["settings"], f"seed {run['seed']}", run["run"]])
         for number, run in enumerate(numbers["runs"], 1)
     ]
-    parts: list[RenderableType] = [Text(printable(writable(head)), overflow="fold") for head in heads]
+    parts: list[RenderableType] = [Text(writable(head), overflow="fold") for head in heads]
     for made in tables_of(numbers):
         side = table(made.title, *made.columns)
         for cells in made.rows:

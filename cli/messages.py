@@ -45,7 +45,8 @@ def result(text: str) -> None:
 def result_json(value: Mapping[str, Any]) -> None:
     """A result as one JSON document, on stdout."""
     unicode = (sys.stdout.encoding or "").lower().startswith("utf")
-    result(json.dumps(value, ensure_ascii=not unicode, indent=2, allow_nan=False))
+    text = json.dumps(value, ensure_ascii=not unicode, indent=2, allow_nan=False)
+    result("".join(json.dumps(c)[1:-1] if c != "\n" and _steers(c) else c for c in text))
 
 
 def write(stream: TextIO, text: str) -> OSError | None:
@@ -68,7 +69,12 @@ def printable(text: str) -> str:
     """The text with control characters replaced, so that the name of a file cannot steer a terminal."""
     if text.isprintable():
         return text
-    return "".join("\ufffd" if unicodedata.category(c) in {"Cc", "Cf"} and c not in "\t\n" else c for c in text)
+    return "".join("\ufffd" if c not in "\t\n" and _steers(c) else c for c in text)
+
+
+def _steers(character: str) -> bool:
+    """Whether a character is not shown but acted upon, or stands for a byte that is no text."""
+    return unicodedata.category(character) in {"Cc", "Cf", "Cs"}
 
 
 def writable(text: str) -> str:

@@ -16,6 +16,7 @@ from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import numbers_of
 from graspdsl.spec.files import read_text
+from graspdsl.trials.identity import check_origin
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 
@@ -29,12 +30,14 @@ def begin(program: Program, text: str, spec_file: str, overrides: tuple[str, ...
 
 
 def opened(path: Path) -> RunFolder:
-    """The run in a folder. Raises InputError when it, or the spec in it, cannot be read."""
+    """The run in a folder. Raises InputError when it, or the spec in it, cannot be read, or they do not go together."""
     with reading(str(path)):
         folder = RunFolder.open(path)
         text = folder.spec_text
     with reading(str(path / SPEC), text):
-        program_of_run(folder)
+        program = program_of_run(folder)
+    with reading(str(path)):
+        complain(str(path), "", check_origin(folder, program))
     return folder
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console, RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
@@ -22,7 +24,7 @@ Numbers = dict[str, Any]
 def summary_text(numbers: Numbers) -> str:
     """The summary of a run, laid out for the terminal that stdout is."""
     tables = [part for made in _tables(numbers) for part in ("", made(numbers))]
-    return text_of([*_head(numbers), *tables, *_foot(numbers)], f"  {printable(numbers['command'])}")
+    return text_of([*_head(numbers), *tables, *_foot(numbers)], f"  {numbers['command']}")
 
 
 def _tables(numbers: Numbers) -> list[Callable[[Numbers], Table]]:
@@ -34,10 +36,22 @@ def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
     text = io.StringIO()
     console = Console(file=text, force_terminal=sys.stdout.isatty(), highlight=False, emoji=False, markup=False)
     for part in parts:
-        console.print(part)
+        console.print(_Printable(part))
     if unwrapped:
-        console.print(Text(unwrapped), soft_wrap=True)
+        console.print(Text(printable(unwrapped)), soft_wrap=True)
     return text.getvalue().rstrip("\n")
+
+
+@dataclass(frozen=True, slots=True)
+class _Printable:
+    """What is laid out, with the control characters of names and messages replaced; styles are rich's own."""
+
+    part: RenderableType
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        shown = console.render_str(self.part) if isinstance(self.part, str) else self.part
+        for segment in console.render(shown, options):
+            yield Segment(printable(segment.text), segment.style, segment.control)
 
 
 def _head(numbers: Numbers) -> list[RenderableType]:
@@ -148,7 +162,7 @@ def _foot(numbers: Numbers) -> list[RenderableType]:
         "",
         f"Simulated {number(numbers['world_s'], 's', 0)} in {number(numbers['wall_s'], 's', 1)}; "
         f"{redrawn} infeasible {'start' if redrawn == 1 else 'starts'} drawn again.",
-        Text(f"The run is in {printable(numbers['run'])}; to repeat it:", overflow="fold"),
+        Text(f"The run is in {numbers['run']}; to repeat it:", overflow="fold"),
     ]
 
 

@@ -13,8 +13,7 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import RunFolder
-
-_NEEDED = ("time", "phase", "touching", "force_residual", "moment_residual")
+from graspdsl.trials.trajectories import Layout
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,23 +49,27 @@ class Evidence:
 def gathered(folder: RunFolder) -> Evidence:
     """The evidence in the folder of a run. Raises DiagnosticError when its records or its spec cannot be read."""
     program, records = program_of_run(folder), tuple(folder.records())
-    contacts = [phase.grasp.contacts for phase in program.phases]
+    layout, contacts = Layout.of(program), [phase.grasp.contacts for phase in program.phases]
     courses = {}
     for record in records:
-        course = _course(folder, record, contacts)
+        course = _course(folder, record, layout, contacts)
         if course is not None:
             courses[record.number] = course
     return Evidence(folder, program, records, courses)
 
 
-def _course(folder: RunFolder, record: TrialRecord, contacts: Sequence[tuple[int, ...]]) -> Course | None:
+def _course(
+    folder: RunFolder, record: TrialRecord, layout: Layout, contacts: Sequence[tuple[int, ...]]
+) -> Course | None:
     try:
-        rows = folder.trajectory(record.number)
-        time, phase, touching, force, moment = (rows[name].astype(np.float64) for name in _NEEDED)
-        last = contacts[int(phase[-1])]
-        touched = bool(touching[-1, list(last)].all())
-    except (DiagnosticError, LookupError):  # damaged, or a trial that ended before its first tick
+        rows = folder.trajectory(record.number, layout)
+    except DiagnosticError:
         return None
+    if not rows:  # the trial ended before its first tick
+        return None
+    time, force, moment = (rows[name].astype(np.float64) for name in ("time", "force_residual", "moment_residual"))
+    grasp = contacts[int(rows["phase"][-1])]
+    touched = bool(rows["touching"][-1, list(grasp)].all())
     # The controller's samples are the last rows, from where it takes over from the guarded close.
     begun = len(time) - min(record.samples, len(time))
     return Course(time[begun:] - time[begun : begun + 1], _held(force[begun:]), _held(moment[begun:]), touched)

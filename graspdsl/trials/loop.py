@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections import Counter
-from importlib import metadata
 
 import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
-from graspdsl.spec.named_files import digest_of
 from graspdsl.trials.evaluation import Evaluation
+from graspdsl.trials.identity import identity
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors, window_of
 from graspdsl.trials.outcomes import Outcome, Verdict
@@ -30,22 +27,6 @@ from graspdsl.worlds.protocol import (
 
 MOST_DRAWS = 500
 OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
-FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
-
-
-def versions() -> dict[str, str]:
-    """The versions of what a trial's numbers depend on."""
-    return {name: metadata.version(name) for name in ("graspdsl", "numpy", "pybullet", "scipy")}
-
-
-def identity(program: Program, number: int, seed: int) -> str:
-    """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
-    spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
-    parts = [spec, program.monitors.model_dump(mode="json"), number, seed, versions()]
-    if program.files:
-        parts += [digest_of(program.files), {name: metadata.version(name) for name in FILE_READERS}]
-    whole = json.dumps(parts, sort_keys=True)
-    return hashlib.sha256(whole.encode()).hexdigest()[:16]
 
 
 class NoFeasibleStartError(Exception):

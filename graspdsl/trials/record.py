@@ -5,10 +5,18 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, FiniteFloat
 
 from graspdsl.arrays import Float32Array
 from graspdsl.trials.outcomes import Outcome
+
+LARGEST_VALUE = 1e30  # of any SI unit: above what a simulation that blew up measures, below where squares overflow
+
+# Bounds for records that are read back; those that a trial makes keep them by themselves.
+Count = Annotated[int, Field(ge=0)]
+Duration = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +32,12 @@ class TrialRecord:
     ``quality`` holds the grades of the final grasp that the spec asks for, by their names.
     """
 
-    number: int
+    number: Count
     identity: str
     outcome: Outcome
     detail: str
-    start: Mapping[str, float]
-    redraws: int
+    start: Mapping[str, FiniteFloat]
+    redraws: Count
     orientation_start: float
     orientation_end: float
     force_residual_start: float
@@ -39,14 +47,14 @@ class TrialRecord:
     contact_forces: tuple[float, ...]
     object_shift: float
     object_lean: float
-    ticks: int
-    ticks_to_converge: int | None
-    samples: int
+    ticks: Count
+    ticks_to_converge: Count | None
+    samples: Count
     largest_leak: float
-    leaking_ticks: int
+    leaking_ticks: Count
     point_error: tuple[float, float]
     normal_error: tuple[float, float]
-    world_s: float
+    world_s: Duration
     wall_s: float
     tare_s: float = 0.0
     quality: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

@@ -18,6 +18,7 @@ from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.setup import world_of
 from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
+from graspdsl.trials.trajectories import Layout, Rows
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
 from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
@@ -40,9 +41,9 @@ class Replay:
     ) -> None:
         self._program = program_of_run(folder)
         self.record = _record(folder, number)
-        self.rows = folder.trajectory(number)
+        self.rows = folder.trajectory(number, Layout.of(self._program))
         self._contacts = list(self._program.phases[-1].grasp.contacts)
-        _fits(self.rows, self._program, number)
+        _can_be_drawn(self.rows, self._program, number)
         self.scale = force_scale(self.rows["forces"][:, self._contacts])
         world = world_of(self._program)
         if isinstance(world, BulletWorld):
@@ -161,21 +162,9 @@ def _said(numbers: Sequence[int]) -> str:
     return ", ".join(f"{part[0]}…{part[-1]}" if len(part) > 1 else f"{part[0]}" for part in parts) or "none"
 
 
-def _fits(rows: dict[str, Float32Array], program: Program, number: int) -> None:
-    """Whether the arrays of a trajectory are those that a trial of the program writes. Raises DiagnosticError."""
-    contacts, joints = len(program.robot.contacts), 0 if program.world.floats else len(program.robot.joints)
-    shapes = {
-        "touching": (contacts,),
-        **dict.fromkeys(("points", "normals", "forces"), (contacts, 3)),
-        "object_position": (3,),
-        "object_rotation": (3, 3),
-        "joints": (joints,),
-        "time": (),
-        "force_residual": (),
-    }
-    ticks = len(rows["time"]) if "time" in rows and rows["time"].ndim else 0
-    wrong = [name for name, shape in shapes.items() if name not in rows or rows[name].shape != (ticks, *shape)]
-    placed = ("joints",) if program.world.floats else ("joints", "object_position", "object_rotation")
-    if ticks == 0 or wrong or not all(np.isfinite(rows[name]).all() for name in placed):
+def _can_be_drawn(rows: Rows, program: Program, number: int) -> None:
+    """Raises DiagnosticError where a trial ended before its first tick, or its object was lost."""
+    placed = () if program.world.floats else ("object_position", "object_rotation")
+    if not rows or not all(np.isfinite(rows[name]).all() for name in placed):
         what = f"there is nothing whole to draw of trial {number}"
         raise DiagnosticError([Diagnostic("run-damaged", what, hint="look at another trial")])

@@ -4,32 +4,29 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import os
 import sqlite3
-import zipfile
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 
-from graspdsl.arrays import Float32Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import NamedFile
-from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.spec.trials import MOST_TRIALS
+from graspdsl.trials.record import Duration, Trial, TrialRecord
+from graspdsl.trials.rows import COLUMNS, record_of, row_of
+from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
 FILES = "files"  # copies of those that the spec names
-_FIELDS = tuple(field.name for field in dataclasses.fields(TrialRecord))
-_MAPPINGS = ("start", "quality")
-_PAIRS = ("contact_forces", "point_error", "normal_error")
+LARGEST_TABLE, LONGEST_VALUE = 1024**3, 1024**2  # bytes of the table's file and of one value in it
+_TABLE_MADE_BY = f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +36,17 @@ class Manifest:
     name: str
     spec_file: str
     overrides: tuple[str, ...]
-    seed: int
-    asked: int
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)]
+    asked: Annotated[int, Field(ge=1, le=MOST_TRIALS)]
     versions: Mapping[str, str]
-    wall_s: float = 0.0
+    wall_s: Duration = 0.0
+
+    def as_json(self) -> bytes:
+        """The content of its file. Raises DiagnosticError for names that are no text."""
+        try:
+            return (json.dumps(dataclasses.asdict(self), indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+        except UnicodeEncodeError as error:
+            raise _refused("not-utf8", "a name in the manifest of this run is not UTF-8 text", "rename it") from error
 
     @property
     def settings(self) -> tuple[str, ...]:
@@ -60,6 +64,7 @@ class RunFolder:
     def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[NamedFile] = ()) -> RunFolder:
         """A new run folder, with copies of files. Raises DiagnosticError where one cannot be made."""
         folder = cls(path, manifest)
+        content = manifest.as_json()  # or refused, before there is anything to leave half made
         with folder._writing():
             path.mkdir(parents=True, exist_ok=True)
             try:
@@ -74,16 +79,16 @@ class RunFolder:
                 copy = folder.files / file.kept_as
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 copy.write_bytes(file.content)
-            folder._save_manifest()
+            folder._save_manifest(content)
             with folder._table() as table:
-                table.execute(f"CREATE TABLE trials ({', '.join(_FIELDS)}, PRIMARY KEY (number))")
+                table.execute(_TABLE_MADE_BY)
         return folder
 
     @classmethod
     def open(cls, path: Path) -> RunFolder:
         """The run in a folder. Raises DiagnosticError when there is none."""
         try:
-            manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST))
+            manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
         except (DiagnosticError, ValueError) as error:
             hint = "give the folder that 'graspdsl run' made"
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
@@ -106,47 +111,80 @@ class RunFolder:
 
     def add(self, trial: Trial) -> None:
         """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot."""
-        row = trial.record.as_dict()
-        marks = ", ".join("?" for _ in _FIELDS)
+        marks = ", ".join("?" for _ in COLUMNS)
         with self._writing():
             self._save_trajectory(trial)
             with self._table() as table:
-                values = [_stored(row[name]) for name in _FIELDS]
-                table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", values)
+                table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row_of(trial.record))
 
     def records(self) -> list[TrialRecord]:
-        """The trials in the table, by number. Raises DiagnosticError when it cannot be read."""
+        """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
         if not (self.path / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
+        if (self.path / TABLE).stat().st_size > LARGEST_TABLE:
+            raise self._damaged(TABLE, f"it is larger than {LARGEST_TABLE} bytes")
+        for beside in (self.path / f"{TABLE}{suffix}" for suffix in ("-journal", "-wal", "-shm")):
+            if beside.exists() and not beside.is_file():  # SQLite would wait for ever for what a pipe has to say
+                raise self._damaged(TABLE, f"{beside.name} beside it is not a regular file")
         try:
             with self._table() as table:
-                rows = table.execute(f"SELECT {', '.join(_FIELDS)} FROM trials ORDER BY number").fetchall()
-            return [_record(dict(zip(_FIELDS, row, strict=True))) for row in rows]
-        except (sqlite3.Error, ValueError, TypeError, KeyError) as error:
+                rows = self._rows(table)
+        except sqlite3.Error as error:
+            if getattr(error, "sqlite_errorcode", None) in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+                message = f"another program holds this run's {TABLE}"
+                raise _refused("run-in-use", message, "try again when it has ended") from error
             raise self._damaged(TABLE, str(error)) from error
+        return [self._record(row) for row in rows]
+
+    def _rows(self, table: sqlite3.Connection) -> list[tuple[object, ...]]:
+        made_by = [sql for (sql,) in table.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL LIMIT 2")]
+        if made_by != [_TABLE_MADE_BY]:  # a view or a trigger could do anything
+            raise self._damaged(TABLE, "it does not hold the one table that a run makes")
+        query = f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number LIMIT {MOST_TRIALS + 1}"
+        return table.execute(query).fetchall()
+
+    def _record(self, row: Sequence[object]) -> TrialRecord:
+        try:
+            record = record_of(row)
+            if record.number >= self.manifest.asked:
+                raise ValueError(f"number: the run has {self.manifest.asked} trials, from 0 on")
+        except ValueError as error:
+            named = f"trial {row[0]}: " if isinstance(row[0], int) else "a row without the number of a trial: "
+            raise self._damaged(TABLE, f"{named}{error}") from error
+        return record
 
     def finished(self) -> list[TrialRecord]:
         """The trials that need not be run again: those in the table whose trajectories are whole."""
-        return [record for record in self.records() if zipfile.is_zipfile(self.trajectory_file(record.number))]
+        return [record for record in self.records() if self._is_whole(record.number)]
+
+    def _is_whole(self, number: int) -> bool:
+        try:
+            self.trajectory(number)
+        except DiagnosticError:
+            return False
+        return True
 
     def trajectory_file(self, number: int) -> Path:
         """Where the trajectory of a trial is."""
         return self.path / TRAJECTORIES / f"{number}.npz"
 
-    def trajectory(self, number: int) -> dict[str, Float32Array]:
-        """The arrays of a trial's trajectory, one row a tick. Raises DiagnosticError when it cannot be read."""
+    def trajectory(self, number: int, layout: Layout | None = None) -> Rows:
+        """The arrays of a trial's trajectory, one row a tick, as of :func:`read_trajectory`.
+
+        Raises DiagnosticError when they cannot be read or do not fit the layout.
+        """
         file = self.trajectory_file(number)
         try:
-            with np.load(file) as arrays:
-                return {name: arrays[name] for name in arrays.files}
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            return read_trajectory(file, layout)
+        except DamagedTrajectoryError as error:
             raise self._damaged(f"{TRAJECTORIES}/{file.name}", str(error)) from error
 
     def spend(self, wall_s: float) -> None:
         """Add to the wall time that the run has taken."""
         self.manifest = dataclasses.replace(self.manifest, wall_s=self.manifest.wall_s + wall_s)
+        content = self.manifest.as_json()
         with self._writing():
-            self._save_manifest()
+            self._save_manifest(content)
 
     def _save_trajectory(self, trial: Trial) -> None:
         file = self.trajectory_file(trial.record.number)
@@ -168,15 +206,15 @@ class RunFolder:
         message = f"this run is damaged: its {file} cannot be read: {reason}"
         return _refused("run-damaged", message, f"begin a new run, from its {SPEC} if that is left")
 
-    def _save_manifest(self) -> None:
-        text = json.dumps(dataclasses.asdict(self.manifest), indent=2, ensure_ascii=False)
-        draft = self.path / f"{MANIFEST}.new"
-        draft.write_text(text + "\n", encoding="utf-8")
+    def _save_manifest(self, content: bytes) -> None:
+        draft = self.path / f"{MANIFEST}.{os.getpid()}.new"
+        draft.write_bytes(content)
         draft.replace(self.path / MANIFEST)
 
     @contextmanager
     def _table(self) -> Iterator[sqlite3.Connection]:
         with closing(sqlite3.connect(self.path / TABLE)) as connection, connection:
+            connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_VALUE)
             yield connection
 
 
@@ -203,20 +241,3 @@ def fresh_folder(parent: Path, name: str) -> Path:
 
 def _refused(code: str, message: str, hint: str | None) -> DiagnosticError:
     return DiagnosticError([Diagnostic(code, message, hint=hint)])
-
-
-def _stored(value: object) -> object:
-    if isinstance(value, dict | tuple):
-        return json.dumps(value)
-    return None if isinstance(value, float) and math.isnan(value) else value
-
-
-def _record(row: dict[str, Any]) -> TrialRecord:
-    for name in _PAIRS:
-        row[name] = tuple(json.loads(row[name]))
-    for name, kind in TrialRecord.__annotations__.items():
-        if kind == "float" and row[name] is None:
-            row[name] = math.nan
-    return TrialRecord(
-        **{**row, "outcome": Outcome(row["outcome"]), **{name: json.loads(row[name]) for name in _MAPPINGS}}
-    )

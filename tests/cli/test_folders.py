@@ -9,10 +9,15 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from rich.text import Text
 from typer.testing import CliRunner
 
 from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
 from graspdsl.cli.app import app
+from graspdsl.cli.tables import row, table, text_of
+from graspdsl.trials.identity import identities
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import RunFolder
 
 
 @pytest.fixture
@@ -142,6 +147,104 @@ def test_a_run_from_another_spec(copied: Path, tmp_path: Path) -> None:
         "  hint: leave it out: --resume knows its own\n",
     )
     (copied / "spec.yaml").write_text(text, encoding="utf-8")
-    answer = graspdsl("run", "--resume", "run", "--json", cwd=tmp_path)
-    assert (answer.returncode, codes(answer)) == (1, ["run-differs"])
-    assert "run: error[run-differs]: this run was made from another spec\n  hint: begin a new run" in answer.stderr
+    for words in (("run", "--resume", "run"), ("report", "run"), ("view", "run", "--images", "seen")):
+        _refused_as_another(words)
+    (copied / "spec.yaml").write_text(SPEC.read_text("utf-8"), "utf-8")
+    assert CliRunner().invoke(app, ["report", "run"]).exit_code == 0
+
+
+def _refused_as_another(words: tuple[str, ...]) -> None:
+    answer = CliRunner().invoke(app, list(words))
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (
+        1,
+        "",
+        "run: error[run-differs]: this run was made from another spec, other files or another seed than it holds now\n"
+        "  hint: put its own spec.yaml, run.json and files back, or begin a new run\n",
+    )
+
+
+def _edit(run: Path, **values: object) -> None:
+    manifest = run / "run.json"
+    manifest.write_text(json.dumps({**json.loads(manifest.read_text("utf-8")), **values}), "utf-8")
+
+
+@pytest.mark.parametrize(
+    "values", [{"seed": 7}, {"name": "another"}, {"asked": 4}, {"overrides": ["trials.count=3", "scene.friction=0.5"]}]
+)
+def test_a_manifest_that_was_changed(values: dict[str, object], copied: Path) -> None:
+    _edit(copied, **values)
+    _refused_as_another(("report", "run"))
+    _refused_as_another(("compare", "run", "run"))
+
+
+def test_trials_of_another_run(copied: Path) -> None:
+    _alter(copied, "UPDATE trials SET identity = '0123456789abcdef' WHERE number = 1")
+    _refused_as_another(("report", "run"))
+
+
+def test_a_run_of_other_versions_is_reported(copied: Path) -> None:
+    """Libraries differ between machines; a spec may mean something else only to another graspdsl."""
+    made_by = json.loads((copied / "run.json").read_text("utf-8"))["versions"]
+    program = program_of_run(RunFolder.open(copied))
+    elsewhere = {**made_by, "numpy": "1.26.0"}
+    of = identities(program, program.spec.trials.seed, elsewhere)
+    for number in range(TRIALS):
+        _alter(copied, f"UPDATE trials SET identity = '{of(number)}' WHERE number = {number}")
+    _edit(copied, versions=elsewhere)
+    answer = CliRunner().invoke(app, ["report", "run"])
+    assert (answer.exit_code, answer.stderr) == (0, "report: run/report.html\n")
+    _edit(copied, versions={**elsewhere, "graspdsl": "0.0.1"})
+    _alter(copied, "UPDATE trials SET identity = 'of another version'")
+    answer = CliRunner().invoke(app, ["report", "run"])
+    assert answer.exit_code == 0
+    assert answer.stderr.startswith("run: warning[run-unchecked]: this run was made by graspdsl 0.0.1; whether from")
+
+
+def test_what_steers_a_terminal_is_shown_and_not_done(copied: Path) -> None:
+    """A folder's name and a library's version may hold anything; neither reaches the terminal as it is."""
+    named = copied.rename(copied.parent / "run\x1b[2J\x9b1A")
+    _edit(named, versions={"graspdsl": "\x1b]0;title\x07"})
+    for words in (("report", named.name), ("compare", named.name, named.name), ("report", named.name, "--json")):
+        answer = CliRunner().invoke(app, [*words])
+        assert answer.exit_code == 0
+        assert "2J" in answer.stdout
+        assert "title" in answer.stderr
+        assert not set("\x1b\x9b\x07") & set(answer.stdout + answer.stderr)
+
+
+def test_tables_show_text_only() -> None:
+    side = table("a\x1b[2Jtitle", "a\x1b[2Jcolumn")
+    row(side, "a\x1b[2Jcell")
+    side.caption = "a\x1b[2Jcaption"
+    text = text_of(["a\x1b[2Jline", Text("a\x1b[2Jtext"), side], "a\x1b[2Jcommand")
+    assert text.count("\ufffd[2J") == 7
+    assert "\x1b" not in text
+
+
+NO_TEXT = "x\udcff"  # how Python keeps the byte ff of a name
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", NO_TEXT),
+        ("run", str(SPEC), "--out", NO_TEXT),
+        ("run", "--resume", NO_TEXT),
+        ("report", NO_TEXT),
+        ("compare", NO_TEXT, NO_TEXT),
+        ("view", NO_TEXT, "--images", "seen"),
+        ("validate", NO_TEXT),
+    ],
+)
+def test_names_that_are_no_text(words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, [*words])
+    complaint = "x\ufffd: error[not-utf8]: this name is not UTF-8 text\n  hint: give it another name\n"
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (1, "", complaint)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_program_refuses_names_that_are_no_text(tmp_path: Path) -> None:
+    answer = graspdsl("run", SPEC, "--out", NO_TEXT, "--json", cwd=tmp_path)
+    assert (answer.returncode, codes(answer)) == (1, ["not-utf8"])
+    assert list(tmp_path.iterdir()) == []

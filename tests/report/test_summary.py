@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from trials.whole import whole_rows
 
 from graspdsl.arrays import Float32Array
 from graspdsl.report.summary import repeating, summary
@@ -44,9 +45,7 @@ def _record(number: int, **values: Any) -> TrialRecord:
 
 def _trajectory(*, touching: bool) -> dict[str, Float32Array]:
     """One row: every contact touches, or none."""
-    names = ("time", "phase", "force_residual", "moment_residual")
-    rows = {name: np.zeros(1, np.float32) for name in names}
-    return {**rows, "touching": np.full((1, 3), touching, np.float32)}
+    return {**whole_rows(1), "touching": np.full((1, 3), touching, np.float32)}
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import trimesh
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.loop import identity
+from graspdsl.trials.identity import identity
 from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import RunFolder
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import sqlite3
 import threading
+from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +18,7 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
+from trials.whole import whole_rows
 
 MANIFEST = Manifest("a-run", "spec.yaml", ("scene.friction=0.5", "about=γ"), 2**63 - 1, 3, {"numpy": "2"})
 RECORD = TrialRecord(
@@ -41,9 +46,12 @@ RECORD = TrialRecord(
     normal_error=(0.1, 0.2),
     world_s=20.0,
     wall_s=0.7,
-    quality={"force-closure": {"closed": True, "margin": 1 / 3, "reason": ""}, "lift": {"kept": False, "moved": None}},
+    quality={
+        "force-closure": {"closed": True, "margin": 1 / 3, "reason": ""},
+        "lift": {"kept": False, "reason": "no contacts"},
+    },
 )
-TRIAL = Trial(RECORD, {"time": np.arange(4, dtype=np.float32), "points": np.ones((4, 3, 3), dtype=np.float32)})
+TRIAL = Trial(RECORD, {**whole_rows(4), "points": np.ones((4, 3, 3), dtype=np.float32)})
 
 
 @pytest.fixture
@@ -161,3 +169,132 @@ def test_a_file_in_the_way_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(DiagnosticError, match="cannot write to this folder: file exists"):
         RunFolder.create(tmp_path / "run", MANIFEST, "")
     assert (tmp_path / "run").read_text() == "mine"
+
+
+def _alter(folder: RunFolder, statement: str, *values: object) -> None:
+    with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table, table:
+        table.execute(statement, values)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "reason"),
+    [
+        ("number", -1, "trial -1: number: input should be greater than or equal to 0"),
+        ("number", 3, "trial 3: number: the run has 3 trials, from 0 on"),
+        ("number", 2.0, "a row without the number of a trial: number: input should be a valid integer"),
+        ("number", "2", "a row without the number of a trial: number: input should be a valid integer"),
+        ("number", None, "a row without the number of a trial: number: input should be a valid integer"),
+        ("identity", b"0123", "trial 2: identity: input should be a valid string"),
+        ("outcome", "won", "trial 2: 'won' is not a valid Outcome"),
+        ("outcome", 1, "trial 2: 1 is not a valid Outcome"),
+        ("detail", None, "trial 2: detail: input should be a valid string"),
+        ("start", "{", "trial 2: EOF while parsing an object"),
+        ("start", None, "trial 2: a value has another type"),
+        ("start", "[1]", "trial 2: start: input should be a valid dictionary"),
+        ("start", '{"roll": "much"}', "trial 2: start.roll: input should be a valid number"),
+        ("start", '{"roll": NaN}', "trial 2: expected value"),
+        ("start", '{"roll": 1e400}', "trial 2: start.roll: input should be a finite number"),
+        ("start", "[" * 100_000, "trial 2: recursion limit exceeded"),
+        ("redraws", -1, "trial 2: redraws: input should be greater than or equal to 0"),
+        ("ticks", 1.5, "trial 2: ticks: input should be a valid integer"),
+        ("ticks_to_converge", "9", "trial 2: ticks_to_converge: input should be a valid integer"),
+        ("orientation_end", "steep", "trial 2: orientation_end: input should be a valid number"),
+        ("orientation_end", 1.6, "trial 2: an orientation is not between 0 and π/2"),
+        ("orientation_start", -0.1, "trial 2: an orientation is not between 0 and π/2"),
+        ("object_shift", -1e300, "trial 2: a value is too large to be measured"),
+        ("world_s", None, "trial 2: world_s: input should be a valid number"),
+        ("world_s", math.inf, "trial 2: world_s: input should be a finite number"),
+        ("contact_forces", "{}", "trial 2: a value has another type"),
+        ("contact_forces", "7", "trial 2: a value has another type"),
+        ("contact_forces", '["x"]', "trial 2: contact_forces.0: input should be a valid number"),
+        ("point_error", "[1, 2, 3]", "trial 2: point_error"),
+        ("quality", '{"lift": {}}', "trial 2: quality.lift.kept: field required"),
+        ("quality", '{"shake": true}', "trial 2: quality.shake: input should be a valid dictionary"),
+        ("quality", '{"ferrari-canny": {"epsilon": 1}}', "trial 2: quality.ferrari-canny.epsilon"),
+        ("quality", '{"mine": {"much": 1e400}}', "trial 2: a grade is infinite"),
+        ("quality", f'{{"mine": {{"much": 1{"0" * 400}}}}}', "trial 2: a value is too large"),
+        ("detail", "x" * 2**21, "string or blob too big"),
+    ],
+)
+def test_rows_that_no_trial_has(column: str, value: object, reason: str, folder: RunFolder) -> None:
+    _alter(folder, f"UPDATE trials SET {column} = ?", value)
+    code, message = _refusal(folder.path)
+    assert code == "run-damaged"
+    assert message.startswith(f"this run is damaged: its trials.sqlite cannot be read: {reason}")
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "CREATE TRIGGER t AFTER INSERT ON trials BEGIN DELETE FROM trials; END",
+        "ALTER TABLE trials RENAME TO others",
+        "ALTER TABLE trials ADD COLUMN more",
+        "DROP TABLE trials",
+    ],
+)
+def test_tables_that_no_run_makes(statement: str, folder: RunFolder) -> None:
+    _alter(folder, statement)
+    message = "this run is damaged: its trials.sqlite cannot be read: it does not hold the one table that a run makes"
+    assert _refusal(folder.path) == ("run-damaged", message)
+
+
+def test_a_view_that_never_ends_is_not_read(folder: RunFolder) -> None:
+    _alter(folder, "ALTER TABLE trials RENAME TO others")
+    endless = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT others.* FROM others, n"
+    _alter(folder, f"CREATE VIEW trials AS {endless} WHERE x < 0")
+    assert _refusal(folder.path)[0] == "run-damaged"
+
+
+def test_a_table_that_another_program_holds(folder: RunFolder) -> None:
+    with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table:
+        table.execute("BEGIN EXCLUSIVE")
+        assert _refusal(folder.path) == ("run-in-use", "another program holds this run's trials.sqlite")
+
+
+@pytest.mark.parametrize("name", ["run.json", "trials.sqlite", "trials.sqlite-journal", "trials.sqlite-wal"])
+@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo])
+def test_places_that_are_no_files(make: Callable[[Path], None], name: str, folder: RunFolder) -> None:
+    (folder.path / name).unlink(missing_ok=True)
+    make(folder.path / name)
+    assert _refusal(folder.path)[0] in {"not-a-run", "run-damaged"}
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ('"asked": 3', '"asked": 0'),
+        ('"asked": 3', '"asked": -1'),
+        ('"asked": 3', '"asked": 1000000000000'),
+        ('"asked": 3', '"asked": true'),
+        ('"asked": 3', '"asked": "3"'),
+        ('"asked": 3', '"asked": 3.5'),
+        ('"asked": 3', '"asked": NaN'),
+        (f'"seed": {2**63 - 1}', f'"seed": {2**63}'),
+        (f'"seed": {2**63 - 1}', '"seed": -1'),
+        ('"wall_s": 0.0', '"wall_s": NaN'),
+        ('"wall_s": 0.0', '"wall_s": Infinity'),
+        ('"wall_s": 0.0', '"wall_s": 1e400'),
+        ('"wall_s": 0.0', '"wall_s": -1.0'),
+        ('"numpy": "2"', '"numpy": 2'),
+        ('"a-run"', '"\\ud800"'),
+        ('"a-run"', f'"{"x" * 2**21}"'),
+    ],
+)
+def test_manifests_that_no_run_has(before: str, after: str, folder: RunFolder) -> None:
+    file = folder.path / "run.json"
+    text = file.read_text("utf-8")
+    assert before in text
+    file.write_text(text.replace(before, after), "utf-8")
+    assert _refusal(folder.path)[0] == "not-a-run"
+
+
+def test_names_that_are_no_text_are_refused_before_anything_is_made(tmp_path: Path) -> None:
+    with pytest.raises(DiagnosticError, match="is not UTF-8 text"):
+        RunFolder.create(tmp_path / "run", dataclasses.replace(MANIFEST, spec_file="\udcff.yaml"), "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_of_more_than_a_gigabyte(folder: RunFolder) -> None:
+    os.truncate(folder.path / "trials.sqlite", 2**30 + 1)
+    message = "this run is damaged: its trials.sqlite cannot be read: it is larger than 1073741824 bytes"
+    assert _refusal(folder.path) == ("run-damaged", message)

@@ -1,0 +1,112 @@
+"""Records as rows of a table, and back: a row is believed only where every value can be one of a trial."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic_core import from_json
+
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import LARGEST_VALUE, TrialRecord
+
+COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
+_MAPPINGS = ("start", "quality")
+_ANGLES = ("orientation_start", "orientation_end")
+_NUMBERS = ("contact_forces", "point_error", "normal_error")
+_MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(strict=True)
+
+
+class _Closure(_Part):
+    closed: bool
+    reason: str
+
+
+class _Metric(_Part):
+    value: float | None
+    reason: str
+
+
+class _Metrics(_Part):
+    epsilon: _Metric
+    volume: _Metric
+
+
+class _Held(_Part):
+    kept: bool
+    reason: str
+
+
+class _Grades(_Part):
+    """What reports read of the grades of a grasp."""
+
+    force_closure: _Closure | None = Field(default=None, alias="force-closure")
+    ferrari_canny: _Metrics | None = Field(default=None, alias="ferrari-canny")
+    lift: _Held | None = None
+    shake: _Held | None = None
+
+
+_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "quality": _Grades}
+_FIELDS: dict[str, Any] = {name: (kind, ...) for name, kind in _KINDS.items()}
+_Values = create_model("_Values", __base__=_Part, **_FIELDS)
+
+
+def row_of(record: TrialRecord) -> list[object]:
+    """A record as the values of COLUMNS, of types that SQLite keeps: NaN as NULL, mappings and tuples as JSON."""
+    values = record.as_dict()
+    return [_stored(values[name]) for name in COLUMNS]
+
+
+def record_of(row: Sequence[Any]) -> TrialRecord:
+    """The record that a row holds. Raises ValueError for values that no trial has."""
+    values = dict(zip(COLUMNS, row, strict=True))
+    try:
+        values |= {name: _tuple(values[name]) for name in _NUMBERS}
+        values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
+        values |= {name: math.nan for name in _MEASURED if values[name] is None}
+        values["outcome"] = Outcome(values["outcome"])
+        _Values.model_validate(values)
+    except TypeError:
+        raise ValueError("a value has another type") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}") from None
+    if any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
+        raise ValueError("a value is too large to be measured")
+    if any(not (math.isnan(angle) or 0.0 <= angle <= math.pi / 2) for angle in (values[name] for name in _ANGLES)):
+        raise ValueError("an orientation is not between 0 and π/2")
+    if any(abs(value) == math.inf for value in _numbers_in(values["quality"])):
+        raise ValueError("a grade is infinite")
+    return TrialRecord(**values)
+
+
+def _stored(value: object) -> object:
+    if isinstance(value, dict | tuple):
+        return json.dumps(value)
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _tuple(text: Any) -> tuple[Any, ...]:
+    value = from_json(text)
+    if not isinstance(value, list):
+        raise TypeError
+    return tuple(value)
+
+
+def _numbers_in(value: object) -> Iterator[float]:
+    if isinstance(value, int | float):
+        yield value
+    elif isinstance(value, Mapping):
+        for part in value.values():
+            yield from _numbers_in(part)
+    elif isinstance(value, tuple | list):
+        for part in value:
+            yield from _numbers_in(part)
