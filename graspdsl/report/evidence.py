@@ -14,7 +14,7 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import RunFolder
 
-_NEEDED = ("time", "phase", "touching", "force_residual", "moment_residual")
+_NEEDED = ("time", "phase", "force_residual", "moment_residual")
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class Course:
 
     time [s] since then, force ‖ρ_f‖ (1) and moment ‖ρ_m‖ [m]: (n,) each, empty where the controller never took over;
     a residual that could not be measured is the one before it. ``touching``: whether every contact of the grasp touched
-    at the last row of the trial.
+    at the last row of the trial, by the simulator's truth and not as the hand senses it.
     """
 
     time: Array
@@ -42,7 +42,7 @@ class Evidence:
     courses: dict[int, Course]
 
     def touching(self, record: TrialRecord) -> bool | None:
-        """Whether every contact of the grasp touched at the end of a trial; None where that is not known."""
+        """Whether every contact of the grasp truly touched at the end of a trial; None where that is not known."""
         course = self.courses.get(record.number)
         return None if course is None else course.touching
 
@@ -62,9 +62,9 @@ def gathered(folder: RunFolder) -> Evidence:
 def _course(folder: RunFolder, record: TrialRecord, contacts: Sequence[tuple[int, ...]]) -> Course | None:
     try:
         rows = folder.trajectory(record.number)
-        time, phase, touching, force, moment = (rows[name].astype(np.float64) for name in _NEEDED)
+        time, phase, force, moment = (rows[name].astype(np.float64) for name in _NEEDED)
         last = contacts[int(phase[-1])]
-        touched = bool(touching[-1, list(last)].all())
+        touched = bool(np.isfinite(rows["forces"][-1, list(last)]).all())  # a contact that does not touch has none
     except (DiagnosticError, LookupError):  # damaged, or a trial that ended before its first tick
         return None
     # The controller's samples are the last rows, from where it takes over from the guarded close.

@@ -183,3 +183,13 @@ def test_more_friction_is_never_worse(seed: int, friction: float, more: float) -
     assert other.volume.value is not None
     assert other.epsilon.value >= one.epsilon.value - 1e-9
     assert other.volume.value >= one.volume.value - 1e-12
+
+
+def test_volumes_of_one_grasp_go_as_one_over_the_cube_of_the_length() -> None:
+    """Three of the six dimensions are moments, over the length."""
+    contacts = random_contacts(3, 4)
+    for length in (0.02, 0.5):
+        scaled = ferrari_canny(wrench_space(*contacts, HardPoint(0.5, 8), length=length))
+        whole = ferrari_canny(wrench_space(*contacts, HardPoint(0.5, 8), length=1.0))
+        assert scaled.volume.value is not None
+        assert scaled.volume.value * length**3 == pytest.approx(whole.volume.value, rel=1e-6)

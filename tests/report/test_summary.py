@@ -46,7 +46,7 @@ def _trajectory(*, touching: bool) -> dict[str, Float32Array]:
     """One row: every contact touches, or none."""
     names = ("time", "phase", "force_residual", "moment_residual")
     rows = {name: np.zeros(1, np.float32) for name in names}
-    return {**rows, "touching": np.full((1, 3), touching, np.float32)}
+    return {**rows, "forces": np.full((1, 3, 3), 1.0 if touching else math.nan, np.float32)}
 
 
 @pytest.fixture
