@@ -33,8 +33,7 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
     all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
     of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether the hand felt
     all contacts at any time (start) and whether all truly touched at the last tick (end, None where the trajectory is
-    lost). Shares carry 95 % Wilson
-    intervals.
+    lost). Shares carry 95 % Wilson intervals.
     """
     folder, records = evidence.folder, evidence.records
     manifest, spec = folder.manifest, evidence.program.spec

@@ -53,7 +53,7 @@ class Evaluation:
         if "force-closure" in quality:
             quality["force-closure"]["reason"] = reason
         if "ferrari-canny" in quality:
-            quality["ferrari-canny"].update(dict.fromkeys(("epsilon", "volume"), {"value": None, "reason": reason}))
+            quality["ferrari-canny"].update({name: {"value": None, "reason": reason} for name in ("epsilon", "volume")})
         dropped = dataclasses.asdict(Held(False, reason))
         return {**quality, **{grade: dropped for grade in HANDLING if grade in self.grades}}
 
