@@ -11,6 +11,7 @@ import pytest
 from stored_runs import stored_run
 
 from graspdsl.report.comparison import comparison
+from graspdsl.report.comparison_tables import tables_of
 from graspdsl.report.differences import UNPAIRED_MEDIANS, UNPAIRED_SHARES
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
@@ -54,6 +55,22 @@ def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
     assert numbers["runs"][0]["medians"]["world_s"] == pytest.approx(np.median([record.world_s for record in good]))
     low, high = numbers["against_first"][0]["ratios"]["world_s"]["interval"]
     assert low <= 3.0 <= high
+
+
+def test_a_ratio_without_an_upper_end_is_said_and_stored(composite: RunFolder, tmp_path: Path) -> None:
+    """Against a run nearly half of whose trials cost nothing: ∞ in the table, null in the document."""
+    free = stored_run(tmp_path / "free", SPECS / "moment_subject_to_force.yaml", "trials.count=12", begun=False)
+    good = [record.number for record in composite.records() if record.outcome is Outcome.CONVERGED]
+    costless = good[: (len(good) - 1) // 2]
+    for record in composite.records():
+        spent = 0.0 if record.number in costless else record.world_s
+        free.add(Trial(replace(record, world_s=spent), composite.trajectory(record.number)))
+    numbers = comparison([free, composite])
+    ratio = json.loads(json.dumps(numbers, allow_nan=False))["against_first"][0]["ratios"]["world_s"]
+    assert ratio["interval"][1] is None
+    [*_, against] = tables_of(numbers)
+    [row] = [row for row in against.rows if row[0].startswith("time of a trial") and row[0].endswith("ratio")]
+    assert row[1].endswith("to ∞")
 
 
 def test_runs_of_other_seeds_are_not_paired(composite: RunFolder, tmp_path: Path) -> None:
