@@ -11,7 +11,7 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import reading, sound
+from graspdsl.cli.inputs import folder_of_files, reading, sound
 from graspdsl.cli.messages import printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import row, table, text_of
@@ -94,7 +94,7 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        program = program_of(source, spec.name, whole, spec.parent)
+        program = program_of(source, spec.name, whole, folder_of_files(spec))
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
     return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)

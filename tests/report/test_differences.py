@@ -188,7 +188,7 @@ def test_an_infinite_end_is_hardly_ever_drawn_where_zeros_are_rare() -> None:
 
 
 def test_ratios_with_zeros_among_the_values_are_covered() -> None:
-    """Costs of which a third are zero, of true ratio 3: not less than 95 of 100 intervals hold it, where there is one."""
+    """Costs of which a third are zero, of true ratio 3: not less than 95 of 100 intervals hold it."""
     random, held, infinite, times = np.random.default_rng(7), 0, 0, 0
 
     def costs(size: int, scale: float) -> np.ndarray:
