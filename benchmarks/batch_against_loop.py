@@ -13,7 +13,6 @@ import numpy as np
 from graspdsl.compiler.program import program_of
 from graspdsl.objects.floating_surface import surface_of
 from graspdsl.trials.batch import run_batch
-from graspdsl.trials.setup import body_of
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 STEPS = 20
@@ -23,7 +22,7 @@ SINGLES = 20
 def main() -> None:
     """Measure and print."""
     program = program_of(SPEC.read_text("utf-8"), SPEC.name)
-    surface = surface_of(body_of(program.spec.scene.object).shape)
+    surface = surface_of(program.body.shape)
     (pipelines,) = program.pipelines()
     contacts = len(program.robot.contacts)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from graspdsl.compiler.program import program_of
-from graspdsl.trials.setup import body_of, world_of
+from graspdsl.trials.setup import world_of
 from graspdsl.trials.starts import pose
 from graspdsl.worlds.protocol import Command
 
@@ -36,7 +36,7 @@ def main() -> None:
     program = program_of(SPEC.read_text("utf-8"), SPEC.name)
     world = world_of(program)
     surface = program.robot.hand.palm_surface
-    start = pose("side", DRAWN, body_of(program.spec.scene.object), surface)
+    start = pose("side", DRAWN, program.body, surface)
     (close,), (slide,) = program.pipelines()
     observation = world.reset(start, seed=0)
     while not observation.touching.all():

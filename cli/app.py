@@ -192,7 +192,7 @@ def explain(
 def report(
     folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")], as_json: AsJson = False
 ) -> None:
-    """Summarise a run."""
+    """Summarise a run, finished or not, and write its page and figures anew."""
     with answering(as_json):
         from graspdsl.cli.running import opened, show
 

@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading
-from graspdsl.cli.messages import printable, result, result_json, writable
+from graspdsl.cli.messages import printable, result, result_json, say, writable
 from graspdsl.cli.running import RUNS, opened
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.report.comparison import comparison
@@ -28,10 +28,11 @@ def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
     if as_json:
         result_json({**numbers, "folder": str(place)})
     else:
-        result(comparison_text(numbers, place))
+        result(comparison_text(numbers))
+    say(f"report: {place / PAGE}")
 
 
-def comparison_text(numbers: dict[str, Any], place: Path) -> str:
+def comparison_text(numbers: dict[str, Any]) -> str:
     """A comparison laid out for the terminal that stdout is."""
     heads = [
         ", ".join([f"{number}: {run['name']}", *run["settings"], f"seed {run['seed']}", run["run"]])
@@ -44,5 +45,4 @@ def comparison_text(numbers: dict[str, Any], place: Path) -> str:
             row(side, *cells)
         side.caption, side.caption_justify = made.note or None, "left"
         parts += ["", side]
-    written = Text(f"The page is {printable(str(place / PAGE))}.", overflow="fold")
-    return text_of([*parts, "", *[Text(method) for method in methods_of(numbers)], written])
+    return text_of([*parts, "", *[Text(method) for method in methods_of(numbers)]])

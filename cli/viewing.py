@@ -18,10 +18,10 @@ from graspdsl.hands.descriptions import hands, robot
 from graspdsl.objects.shapes import catalogue
 from graspdsl.report.writing import replace
 from graspdsl.trials.replay import Replay, evenly
-from graspdsl.trials.setup import GRAVITY
 from graspdsl.worlds.annotations import annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
 from graspdsl.worlds.bullet.world import TABLE_FRICTION
+from graspdsl.worlds.protocol import GRAVITY
 
 SIZE = (640, 480)
 FILM_RATE = 10  # pictures a second

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from graspdsl.arrays import Array
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.setup import body_of, world_of
+from graspdsl.trials.setup import world_of
+from graspdsl.worlds.bullet.camera import Picture
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Command, Observation, Start
 
@@ -24,8 +24,8 @@ ROOT = Path(__file__).resolve().parent.parent
 class PicturedWorld(BulletWorld):
     """The bullet world, keeping a picture of the first tick at which all contacts touch and of the last one."""
 
-    first: Array | None = None
-    last: Array | None = None
+    first: Picture | None = None
+    last: Picture | None = None
 
     def reset(self, start: Start, seed: int) -> Observation:
         """As the bullet world's; forgets the pictures."""
@@ -49,9 +49,11 @@ class PicturedWorld(BulletWorld):
 def main() -> None:
     """Find a converged trial that began far from the grasp and one that the palm ended; put them side by side."""
     program = program_of((ROOT / "specs/towel_roll_two_contacts.yaml").read_text("utf-8"), "spec")
-    world = PicturedWorld(world_of(program).settings)
-    loop = TrialLoop(program, world, body_of(program.spec.scene.object))
-    found: dict[Outcome, tuple[Array, Array]] = {}
+    world = world_of(program)
+    assert isinstance(world, BulletWorld)
+    world = PicturedWorld(world.settings)
+    loop = TrialLoop(program, world)
+    found: dict[Outcome, tuple[Picture, Picture]] = {}
     for number in range(program.spec.trials.count):
         record = loop.run(number, program.spec.trials.seed).record
         if record.outcome in found or world.first is None or world.last is None or record.orientation_start > 1.0:
@@ -60,7 +62,7 @@ def main() -> None:
         if {Outcome.CONVERGED, Outcome.PALM_COLLISION} <= found.keys():
             break
     good, bad = found[Outcome.CONVERGED], found[Outcome.PALM_COLLISION]
-    picture = np.hstack([good[0], good[1], bad[1]]).astype(np.uint8)
+    picture = np.hstack([good[0], good[1], bad[1]])
     Image.fromarray(picture).save(ROOT / "docs/images/towel_roll.png", optimize=True)
 
 

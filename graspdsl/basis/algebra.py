@@ -29,12 +29,6 @@ def along(vectors: Array, normals: Array) -> Array:
     return share
 
 
-def tangent_projectors(normals: Array) -> Array:
-    """P = I − n nᵀ for each unit normal, (..., 3, 3)."""
-    result: Array = np.eye(3) - normals[..., :, None] * normals[..., None, :]
-    return result
-
-
 def tangent_frames(normals: Array) -> Array:
     """Two unit vectors that span the tangent plane of each unit normal, as columns: (..., 3, 2).
 

@@ -70,11 +70,6 @@ def ascii_name(name: str) -> str:
     return "_".join(_ascii_segment(segment, head=place == 0) for place, segment in enumerate(_SUBSCRIPT.split(name)))
 
 
-def is_name(name: str) -> bool:
-    """Whether a formula can use this word as the name of something (``then`` is taken)."""
-    return name != "then" and _NAME.fullmatch(fold(name)) is not None
-
-
 def _canonical_segment(segment: str, head: bool) -> str:
     runs = _RUN.findall(segment)
     if head and runs[0] in _SHORT and _head_ends(runs):

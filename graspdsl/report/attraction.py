@@ -50,7 +50,7 @@ def map_of_run(folder: RunFolder) -> AttractionMap:
     """The map that a finished run on a grid is. Raises DiagnosticError when it is none, or cannot be read."""
     program, manifest = program_of_run(folder), folder.manifest
     cells = cells_of(program.spec, folder.records())
-    settings = [setting for setting in manifest.overrides if not setting.startswith(("trials.count=", "trials.grid="))]
+    settings = [setting for setting in manifest.settings if not setting.startswith("trials.grid=")]
     command = repeating(folder.path / SPEC, cells, manifest.seed, settings)
     return attraction_map(program, cells, manifest.seed, command)
 

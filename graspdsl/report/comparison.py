@@ -18,7 +18,7 @@ from graspdsl.report.differences import (
     difference_of_shares,
     ratio_of_medians,
 )
-from graspdsl.report.statistics import wilson
+from graspdsl.report.statistics import median, wilson
 from graspdsl.report.summary import summary
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
@@ -52,7 +52,7 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
     finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
     return {
         "name": numbers["name"],
-        "settings": settings_of(folder),
+        "settings": list(folder.manifest.settings),
         "run": numbers["run"],
         "seed": numbers["seed"],
         "command": numbers["command"],
@@ -69,13 +69,8 @@ def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]
             {**{key: mode[key] for key in ("centre", "share", "interval")}, "count": len(mode["trials"])}
             for mode in numbers["modes"]
         ],
-        "medians": {name: _median(measure.values(records)) for name, measure in MEASURES.items()},
+        "medians": {name: median(measure.values(records)) for name, measure in MEASURES.items()},
     }
-
-
-def settings_of(folder: RunFolder) -> list[str]:
-    """What was set for a run on the command line, but for the number of its trials and their seed."""
-    return [name for name in folder.manifest.overrides if not name.startswith(("trials.count=", "trials.seed="))]
 
 
 def _against(first: Run, other: Run) -> dict[str, Any]:
@@ -96,12 +91,12 @@ def _against(first: Run, other: Run) -> dict[str, Any]:
         "run": str(other[0].path),
         "pairs": len(pairs),
         "paired": paired,
-        "only_first_converged": sum(_has(a) and not _has(b) for a, b in pairs),
-        "only_other_converged": sum(_has(b) and not _has(a) for a, b in pairs),
+        "only_first_converged": sum(_has_converged(a) and not _has_converged(b) for a, b in pairs),
+        "only_other_converged": sum(_has_converged(b) and not _has_converged(a) for a, b in pairs),
         "converged": _plain(converged),
         "differences": differences,
         "ratios": ratios,
-        "orientation_difference": _median(np.array(turned)),
+        "orientation_difference": median(np.array(turned)),
     }
 
 
@@ -135,16 +130,16 @@ def _ground(folder: RunFolder) -> tuple[object, ...]:
     return (scene.world, manifest.seed, scene.hand, scene.object) if scene.world == "floating" else (scene.world,)
 
 
-def _has(record: TrialRecord) -> bool:
+def _has_converged(record: TrialRecord) -> bool:
     return record.outcome is Outcome.CONVERGED
 
 
 def _both_converged(one: TrialRecord, other: TrialRecord) -> bool:
-    return _has(one) and _has(other)
+    return _has_converged(one) and _has_converged(other)
 
 
 def _converged(records: Sequence[TrialRecord]) -> Flags:
-    return np.array([_has(record) for record in records], dtype=bool)
+    return np.array([_has_converged(record) for record in records], dtype=bool)
 
 
 def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
@@ -153,8 +148,3 @@ def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
         return None
     ends = None if estimate.interval is None else [end if math.isfinite(end) else None for end in estimate.interval]
     return {**dataclasses.asdict(estimate), "interval": None if ends is None else tuple(ends)}
-
-
-def _median(values: Array) -> float | None:
-    known = [value for value in values if math.isfinite(value)]
-    return float(np.median(known)) if known else None

@@ -11,7 +11,6 @@ from typing import Any
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
-from graspdsl.report.comparison import settings_of
 from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
 from graspdsl.report.comparison_tables import methods_of, tables_of
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
@@ -57,7 +56,7 @@ def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping
 
 
 def _label(number: int, folder: RunFolder) -> str:
-    whole = ", ".join([f"{number}: {folder.manifest.name}", *settings_of(folder)])
+    whole = ", ".join([f"{number}: {folder.manifest.name}", *folder.manifest.settings])
     return textwrap.shorten(whole, LONGEST_LABEL, placeholder=" …")
 
 

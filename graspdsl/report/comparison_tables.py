@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from graspdsl.report.compared_measures import MEASURES
+from graspdsl.report.wording import NOTHING, number, percent, percents
 from graspdsl.trials.outcomes import Outcome
 
 Numbers = Mapping[str, Any]
-NOTHING = "–"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def _share(run: Numbers, outcome: str) -> str:
     if not run["finished"]:
         return NOTHING
     entry = run["outcomes"].get(outcome)
-    return "0" if entry is None else f"{entry['count']}: {_percent(entry['share'])}, {_percents(entry['interval'])}"
+    return "0" if entry is None else f"{entry['count']}: {percent(entry['share'])}, {percents(entry['interval'])}"
 
 
 def _modes(runs: Sequence[Numbers], names: tuple[str, ...]) -> TextTable:
@@ -66,12 +66,12 @@ def _mode(modes: Sequence[Numbers], place: int) -> str:
     if place >= len(modes):
         return NOTHING
     mode = modes[place]
-    return f"{mode['centre']:.2f} rad: {_percent(mode['share'])}, {_percents(mode['interval'])}"
+    return f"{mode['centre']:.2f} rad: {percent(mode['share'])}, {percents(mode['interval'])}"
 
 
 def _medians(runs: Sequence[Numbers], names: tuple[str, ...]) -> TextTable:
     rows = [
-        (measure.label, *[_number(run["medians"][name], measure.digits) for run in runs])
+        (measure.label, *[number(run["medians"][name], "", measure.digits) for run in runs])
         for name, measure in MEASURES.items()
     ]
     return TextTable("Medians", ("measure", *names), tuple(rows), "* of converged trials")
@@ -90,7 +90,7 @@ def _against(others: Sequence[Numbers], names: tuple[str, ...]) -> TextTable:
     for name, measure in MEASURES.items():
         found = [_estimate(other["differences"][name], f"+.{measure.digits}f") for other in others]
         rows.append((f"{measure.label}, difference", *found))
-    turned = [_number(other["orientation_difference"], 3) for other in others]
+    turned = [number(other["orientation_difference"], "", 3) for other in others]
     rows.append(("turned from its pair, median [rad] *", *turned))
     note = "* of converged trials; where trials are paired, of pairs that both converged"
     return TextTable("Against run 1: differences and ratios with 95 % intervals", ("", *names), tuple(rows), note)
@@ -114,16 +114,3 @@ def _estimate(estimate: Numbers | None, form: str) -> str:
         return f"{estimate['value']:{form}}, too few for an interval"
     low, high = ("∞" if end is None else f"{end:{form}}" for end in estimate["interval"])
     return f"{estimate['value']:{form}}, {low} to {high}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
-
-
-def _percents(interval: Sequence[float]) -> str:
-    low, high = interval
-    return f"{_percent(low)} to {_percent(high)}"
-
-
-def _number(value: float | None, digits: int) -> str:
-    return NOTHING if value is None else f"{value:.{digits}f}"

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from graspdsl.report.attraction import AttractionMap, as_data
-from graspdsl.report.writing import write
+from graspdsl.report.writing import replace
 
 FILES = ("map.svg", "map.png", "map.json")
 
@@ -18,4 +18,4 @@ def write_map(folder: Path, made: AttractionMap) -> None:
 
     figure = map_figure(made)
     contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
-    write(folder, dict(zip(FILES, contents, strict=True)))
+    replace(folder, dict(zip(FILES, contents, strict=True)))

@@ -7,9 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
-import numpy as np
-
-from graspdsl.report.statistics import wilson
+from graspdsl.report.statistics import median, wilson
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -60,7 +58,7 @@ def _reasons(grades: Iterable[Mapping[str, Any]]) -> dict[str, int]:
 
 def _median(values: Iterable[float | None]) -> Numbers:
     known = [value for value in values if value is not None]
-    return {"median": float(np.median(known)) if known else None, "of": len(known)}
+    return {"median": median(known), "of": len(known)}
 
 
 def _verdicts(record: TrialRecord) -> Numbers:

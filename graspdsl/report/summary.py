@@ -15,7 +15,7 @@ import numpy as np
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.outcomes import outcome_table
 from graspdsl.report.quality import quality
-from graspdsl.report.statistics import bandwidth, modes, wilson
+from graspdsl.report.statistics import bandwidth, median, modes, wilson
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
@@ -68,24 +68,24 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
         "modes": _modes(in_contact),
         "ticks_to_converge": {"median": _percentile(to_converge, 50), "p90": _percentile(to_converge, 90)},
         "contact_force": {
-            "median": _median(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
+            "median": median(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
             "least": _least(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
             "largest": _largest(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
         },
         "object_shift": {
-            "median": _median(r.object_shift for r in records),
+            "median": median(r.object_shift for r in records),
             "largest": _largest(r.object_shift for r in records),
         },
         "sensing": {
-            "point_error_p50": _median(record.point_error[0] for record in records),
-            "point_error_p95": _median(record.point_error[1] for record in records),
-            "normal_error_p50": _median(record.normal_error[0] for record in records),
-            "normal_error_p95": _median(record.normal_error[1] for record in records),
-            "tare_s": _median(record.tare_s for record in records),
+            "point_error_p50": median(record.point_error[0] for record in records),
+            "point_error_p95": median(record.point_error[1] for record in records),
+            "normal_error_p50": median(record.normal_error[0] for record in records),
+            "normal_error_p95": median(record.normal_error[1] for record in records),
+            "tare_s": median(record.tare_s for record in records),
         },
-        "samples": {"median": _median(float(record.samples) for record in good)},
+        "samples": {"median": median(float(record.samples) for record in good)},
         "probes": {"total": sum(record.ticks for record in records) if evidence.program.probes else 0},
-        "trial_s": {"median": _median(record.world_s for record in good)},
+        "trial_s": {"median": median(record.world_s for record in good)},
         "priorities": {
             "largest_leak": _largest(record.largest_leak for record in records),
             "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
@@ -104,9 +104,8 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
 def repeating(folder: RunFolder) -> str:
     """The command that runs the same trials again."""
     manifest = folder.manifest
-    settings = [setting for setting in manifest.overrides if not setting.startswith(("trials.count=", "trials.seed="))]
     words = ["graspdsl", "run", str(folder.path / SPEC)]
-    words += [word for setting in settings for word in ("--set", setting)]
+    words += [word for setting in manifest.settings for word in ("--set", setting)]
     words += ["--trials", str(manifest.asked), "--seed", str(manifest.seed)]
     return shlex.join(words)
 
@@ -116,13 +115,13 @@ def _residual(
 ) -> dict[str, Any]:
     start, end = attrgetter(f"{kind}_residual_start"), attrgetter(f"{kind}_residual_end")
     return {
-        "start": _median(map(start, records)),
-        "end": _median(map(end, records)),
-        "end_in_contact": _median(map(end, in_contact)),
+        "start": median(map(start, records)),
+        "end": median(map(end, records)),
+        "end_in_contact": median(map(end, in_contact)),
         "squared": {
-            "start": _median(_square(start(record)) for record in records),
-            "end": _median(_square(end(record)) for record in records),
-            "end_in_contact": _median(_square(end(record)) for record in in_contact),
+            "start": median(_square(start(record)) for record in records),
+            "end": median(_square(end(record)) for record in records),
+            "end_in_contact": median(_square(end(record)) for record in in_contact),
         },
     }
 
@@ -139,10 +138,10 @@ def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
                 "share": len(members) / len(measured),
                 "of": len(measured),
                 "interval": wilson(len(members), len(measured)),
-                "force_residual": _median(record.force_residual_end for record in members),
-                "moment_residual": _median(record.moment_residual_end for record in members),
-                "force_squared": _median(_square(record.force_residual_end) for record in members),
-                "moment_squared": _median(_square(record.moment_residual_end) for record in members),
+                "force_residual": median(record.force_residual_end for record in members),
+                "moment_residual": median(record.moment_residual_end for record in members),
+                "force_squared": median(_square(record.force_residual_end) for record in members),
+                "moment_squared": median(_square(record.moment_residual_end) for record in members),
                 "range": [mode.low, mode.high],
                 "trials": [record.number for record in members],
                 "bandwidth": bandwidth(ends),
@@ -171,10 +170,6 @@ def _known(value: float) -> float | None:
 
 def _finite(values: Iterable[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
-
-
-def _median(values: Iterable[float]) -> float | None:
-    return _percentile(_finite(values), 50)
 
 
 def _percentile(values: Sequence[float], percent: float) -> float | None:

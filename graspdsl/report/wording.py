@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -28,11 +27,6 @@ def number(value: float | None, unit: str, digits: int) -> str:
 def millimetres(metres: float | None, digits: int = 1) -> str:
     """A length given in m, in mm."""
     return number(None if metres is None else 1000 * metres, "mm", digits)
-
-
-def degrees(radians: float | None, digits: int = 2) -> str:
-    """An angle given in rad, in degrees."""
-    return number(None if radians is None else math.degrees(radians), "°", digits)
 
 
 def counted(count: int, one: str, many: str) -> str:

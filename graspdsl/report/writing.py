@@ -18,16 +18,7 @@ def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:
         raise _unwritable(error) from error
     if occupied:
         raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint="name another")])
-    write(folder, files)
-
-
-def write(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder. Raises DiagnosticError where it cannot."""
-    try:
-        for name, content in files.items():
-            (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-    except OSError as error:
-        raise _unwritable(error) from error
+    replace(folder, files)
 
 
 def replace(folder: Path, files: Mapping[str, str | bytes], outdated: Sequence[str] = ()) -> None:

@@ -21,11 +21,11 @@ from graspdsl.trials.cells import Axis, Cells
 from graspdsl.trials.grids import WantedAxis, refused
 from graspdsl.trials.measures import orientation
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.setup import GRAVITY
 from graspdsl.trials.stage import until_of
 from graspdsl.trials.stalling import StallWatch
 from graspdsl.trials.starts import generator
 from graspdsl.worlds.floating import RATE
+from graspdsl.worlds.protocol import GRAVITY
 
 TOGETHER = 2000  # cells in a batch, which bounds the memory
 WHOLE = {"azimuth": (-math.pi, math.pi), "polar": (0.0, math.pi)}  # rad

@@ -11,7 +11,6 @@ from importlib import metadata
 import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
-from graspdsl.objects.shapes import Body
 from graspdsl.quality.metric import CRASHED, NO_CONTACTS
 from graspdsl.spec.named_files import digest_of
 from graspdsl.trials.evaluation import Evaluation
@@ -64,8 +63,8 @@ class NoFeasibleStartError(Exception):
 class TrialLoop:
     """Runs trials of one program on one world, one after the other; a trial has so many draws to find a start."""
 
-    def __init__(self, program: Program, world: WitnessedWorld, body: Body, most_draws: int = MOST_DRAWS) -> None:
-        self._program, self._world, self._body = program, world, body
+    def __init__(self, program: Program, world: WitnessedWorld, most_draws: int = MOST_DRAWS) -> None:
+        self._program, self._world = program, world
         self._most_draws = most_draws
         self._pipelines = program.pipelines()
         self._evaluation = Evaluation(program.spec.evaluate, program.spec.scene.friction, program.robot)
@@ -124,7 +123,7 @@ class TrialLoop:
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
         wanted = self._program.spec.trials.start_of(number)
-        starts = draws(wanted, self._body, surface, random, floats=floats)
+        starts = draws(wanted, self._program.body, surface, random, floats=floats)
         most = 1 if is_fixed(wanted) else self._most_draws
         reasons, beyond = Counter[str](), 0
         start = next(starts)

@@ -19,7 +19,7 @@ from graspdsl.trials.setup import world_of
 from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
-from graspdsl.worlds.bullet.camera import Camera
+from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Start
@@ -27,7 +27,6 @@ from graspdsl.worlds.protocol import Start
 NORMAL_LENGTH = 0.03  # m
 LONGEST_FORCE = 0.05  # m that an arrow of an ordinary contact force has at most
 ORDINARY = 95.0  # percentile of the contact forces of a trial
-WIDTH, HEIGHT = 480, 360
 
 
 class Replay:
@@ -93,7 +92,7 @@ class Replay:
         """The trial, the time, the outcome and the force residual, and what the arrows mean."""
         residual = float(self.rows["force_residual"][tick])
         rho = f"‖ρ_f‖ {residual:.3f}" if math.isfinite(residual) else "‖ρ_f‖ none: no contact"
-        outcome = self.record.outcome.value.replace("_", " ")
+        outcome = self.record.outcome.value
         first = f"trial {self.record.number}   t = {self.rows['time'][tick]:.2f} s   {outcome}   {rho}"
         arrows = f"blue: contact normals, {100 * NORMAL_LENGTH:g} cm"
         if self.scale > 0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from graspdsl.compiler.program import Program
-from graspdsl.objects.bodies import body_of
 from graspdsl.objects.floating_surface import surface_of
 from graspdsl.spec import scene as spec
 from graspdsl.trials.loop import TrialLoop
@@ -11,10 +10,7 @@ from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
-
-__all__ = ["body_of", "trial_loop", "world_of"]
-
-GRAVITY = 9.81  # m/s²
+from graspdsl.worlds.protocol import GRAVITY
 
 
 def world_of(program: Program) -> BulletWorld | FloatingWorld:
@@ -25,10 +21,10 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
         return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass, body.major_axis)
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
-    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor, GRAVITY)
+    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor)
     return ProbingWorld(settings) if program.probes else BulletWorld(settings)
 
 
 def trial_loop(program: Program) -> TrialLoop:
     """The loop that runs the program's trials in its world."""
-    return TrialLoop(program, world_of(program), program.body)
+    return TrialLoop(program, world_of(program))

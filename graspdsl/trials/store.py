@@ -44,6 +44,11 @@ class Manifest:
     versions: Mapping[str, str]
     wall_s: float = 0.0
 
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """The overrides but for the number of trials and their seed, which the manifest names."""
+        return tuple(word for word in self.overrides if not word.startswith(("trials.count=", "trials.seed=")))
+
 
 class RunFolder:
     """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has."""

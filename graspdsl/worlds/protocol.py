@@ -12,6 +12,8 @@ from typing import Protocol, runtime_checkable
 
 from graspdsl.arrays import Array, Flags
 
+GRAVITY = 9.81  # m/s²
+
 
 class InfeasibleStartError(Exception):
     """A start that the world cannot take up (the hand would stand in the table or the object)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -24,6 +25,11 @@ def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -
     return subprocess.run(
         command, cwd=cwd, env=surroundings, capture_output=True, encoding="utf-8", timeout=120, check=False
     )
+
+
+def heed_interrupts() -> None:
+    """In a child about to begin: a background job ignores SIGINT, and so would what it begins."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def numbers(document: dict[str, Any]) -> list[dict[str, Any]]:

@@ -68,10 +68,10 @@ def test_runs_are_compared(tmp_path: Path) -> None:
     }
     refused = graspdsl("compare", *folders, "--out", "<b>&", cwd=tmp_path)
     assert (refused.returncode, "folder-not-empty" in refused.stderr) == (1, True)
-    text = graspdsl("compare", *folders, cwd=tmp_path).stdout
-    assert "tactile samples" in text
-    assert "Newcombe 1998" in text
-    assert "runs/compare-001/compare.html" in text
+    said = graspdsl("compare", *folders, cwd=tmp_path)
+    assert "tactile samples" in said.stdout
+    assert "Newcombe 1998" in said.stdout
+    assert "report: runs/compare-001/compare.html" in said.stderr
 
 
 def test_one_run_or_no_run_is_not_a_comparison(tmp_path: Path) -> None:

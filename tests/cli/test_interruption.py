@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, numbers
+from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, heed_interrupts, numbers
 from graspdsl.report.summary import summary
 from graspdsl.trials.store import RunFolder
 
@@ -45,7 +45,13 @@ def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
     command = [PROGRAM, "run", SPEC, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json"]
     run = subprocess.Popen(
-        command, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", start_new_session=True
+        command,
+        cwd=place,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        start_new_session=True,
+        preexec_fn=heed_interrupts,
     )
     assert run.stdout is not None
     assert run.stderr is not None

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from cli.program import PROGRAM, SPEC, graspdsl
+from cli.program import PROGRAM, SPEC, graspdsl, heed_interrupts
 from graspdsl.trials.store import RunFolder
 
 FLOATING = SPEC.parent / "compare" / "moment_subject_to_force.yaml"
@@ -54,7 +54,10 @@ def test_an_interrupted_map_goes_on(tmp_path: Path) -> None:
     """What was finished is kept; the line that is printed finishes the map."""
     words = [str(PROGRAM), "map", str(SPEC), "--over", "roll,height", "--grid", "2x2", *SHORT]
     words += ["--workers", "1", "--out", "m"]
-    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8") as process:
+    process = subprocess.Popen(
+        words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8", preexec_fn=heed_interrupts
+    )
+    with process:
         assert process.stderr is not None
         for line in process.stderr:
             if "1/4" in line:

@@ -18,8 +18,9 @@ from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells, starts, towards
 from graspdsl.trials.grids import WantedAxis
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.trials.setup import GRAVITY, body_of, world_of
+from graspdsl.trials.setup import world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
+from graspdsl.worlds.protocol import GRAVITY
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SEED = 7
@@ -51,13 +52,13 @@ class Placed(Ellipsoid):
 
 def by_trials(made: Program, found: Cells, chosen: range) -> None:
     """Check cells against the loop over single trials from the same points: outcome, ticks, orientation."""
-    body = body_of(made.spec.scene.object)
+    body = made.body
     names, surface = made.robot.contacts, surface_of(body.shape)
     assert isinstance(surface, Ellipsoid)
     points = starts(surface, found.x, found.y, names.index(found.fixed["contact"]), len(names), SEED)
     for cell in chosen:
         world = FloatingWorld(names, Placed(surface.semi_axes, points[cell]), GRAVITY * body.mass)
-        record = TrialLoop(made, world, body).run(0, SEED).record
+        record = TrialLoop(made, world).run(0, SEED).record
         assert record.outcome.value == found.outcomes[cell]
         assert record.orientation_end == pytest.approx(found.orientation[cell], abs=1e-9)
         if record.ticks_to_converge is None:
@@ -95,11 +96,11 @@ def test_those_for_whom_time_is_too_short_are_known_beforehand() -> None:
 
 def test_all_but_one_contact_start_where_trial_0_places_them() -> None:
     made = program("compare/cstar.yaml")
-    body = body_of(made.spec.scene.object)
+    body = made.body
     found = floating_cells(made, axes(2, 2), "point-2", SEED)
     names = made.robot.contacts
     points = starts(surface_of(body.shape), found.x, found.y, names.index("point-2"), len(names), SEED)
-    begun = TrialLoop(made, world_of(made), body).run(0, SEED).trajectory["points"][0]
+    begun = TrialLoop(made, world_of(made)).run(0, SEED).trajectory["points"][0]
     others = [index for index, name in enumerate(names) if name != "point-2"]
     np.testing.assert_allclose(points[:, others], np.broadcast_to(begun[others], (4, len(others), 3)), atol=1e-7)
     assert set(found.marks) == {"point-1", "point-3"}
@@ -119,7 +120,7 @@ def test_a_contact_starts_on_the_surface_in_its_direction(shape: str) -> None:
         "shoulder: 0.015, edge: 0.008",
     }[shape]
     made = program("compare/cstar.yaml", f"scene.object={{{shape}: {{{fields}}}}}")
-    surface = surface_of(body_of(made.spec.scene.object).shape)
+    surface = surface_of(made.body.shape)
     random = np.random.default_rng(1).normal(size=(200, 3))
     directions = np.vstack([random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3)])
     points = towards(surface, directions)

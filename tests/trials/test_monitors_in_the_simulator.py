@@ -14,7 +14,7 @@ from graspdsl.quality.metric import CRASHED
 from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
-from graspdsl.trials.setup import body_of, trial_loop, world_of
+from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.protocol import Command, Observation
 
@@ -208,8 +208,7 @@ def test_a_start_that_cannot_be_is_drawn_once_where_every_draw_is_the_same() -> 
 
 def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, ("trials.start={height: {uniform: [-0.06, -0.05]}}",))
-    body = body_of(program.spec.scene.object)
-    record = TrialLoop(program, world_of(program), body, most_draws=8).run(0, 5).record
+    record = TrialLoop(program, world_of(program), most_draws=8).run(0, 5).record
     assert (record.outcome, record.redraws) == (Outcome.INFEASIBLE_START, 8)
     assert record.detail == "no start in 8 draws was feasible: finger-1 cannot close on the object with its tip"
     several = NoFeasibleStartError(8, Counter({"it rains": 3, "it snows": 5}))
@@ -241,9 +240,8 @@ def test_a_simulation_without_numbers_has_crashed() -> None:
     """In contact: its grades say so, and not that nothing touched."""
     grades = "evaluate=[force-closure, ferrari-canny, lift, shake]"
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START, grades))
-    body = body_of(program.spec.scene.object)
-    world = Struck(BulletSettings(program.robot, body, 0.4))
-    record = TrialLoop(program, world, body).run(0, 5).record
+    world = Struck(BulletSettings(program.robot, program.body, 0.4))
+    record = TrialLoop(program, world).run(0, 5).record
     assert record.outcome is Outcome.CRASHED
     assert "number" in record.detail
     assert record.samples > 0

@@ -13,7 +13,7 @@ from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.shapes import Box
 from graspdsl.spec.scene import SHAPES
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.setup import body_of, trial_loop, world_of
+from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
 from graspdsl.worlds.protocol import Command, Observation, Start
 
@@ -87,7 +87,7 @@ def test_same_start_and_commands_give_the_same_observations(thing: str) -> None:
 @EACH_OBJECT
 def test_contacts_stay_on_the_surface_and_sense_it(thing: str) -> None:
     made = program(thing)
-    surface = surface_of(body_of(made.spec.scene.object).shape)
+    surface = surface_of(made.body.shape)
     for step, seen in enumerate(history(world(thing), 3, commands(50, 0.03))):
         assert np.abs(surface.level(seen.points)).max() < 1e-12
         np.testing.assert_allclose(np.linalg.norm(seen.normals, axis=-1), 1.0, atol=1e-12)

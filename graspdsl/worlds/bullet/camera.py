@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from graspdsl.arrays import Array
 
+WIDTH, HEIGHT = 480, 360  # pixels of a picture, where nothing else is asked for
 Picture = npt.NDArray[np.uint8]  # (height, width, 3)
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -30,8 +31,8 @@ class Camera:
 
     eye: Array
     target: Array
-    width: int = 480
-    height: int = 360
+    width: int = WIDTH
+    height: int = HEIGHT
 
     @property
     def view(self) -> Array:

@@ -6,13 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from graspdsl.worlds.bullet.camera import Camera, camera_on, grasp_direction
+from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera, camera_on, grasp_direction
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
 
 
 def camera_on_grasp(
-    hand: BulletHand, scene: Scene, contacts: Iterable[int], width: int = 480, height: int = 360
+    hand: BulletHand, scene: Scene, contacts: Iterable[int], width: int = WIDTH, height: int = HEIGHT
 ) -> Camera:
     """A camera that shows a hand, the object before it and these contacts, by number, between them."""
     origin, rotation = hand.face_frame()

@@ -13,7 +13,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shading import Shaded
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.surfaces import Surface
-from graspdsl.worlds.bullet.camera import Camera, Picture, box_corners, camera_on, taken
+from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera, Picture, box_corners, camera_on, taken
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.framing import camera_on_grasp
 from graspdsl.worlds.bullet.hand import BulletHand
@@ -72,13 +72,9 @@ class GraspStudio(Studio):
         self.hand.place(joints)
         self.scene.put(centre, rotation)
 
-    def camera(self, contacts: Iterable[int], width: int = 480, height: int = 360) -> Camera:
+    def camera(self, contacts: Iterable[int], width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows the grasp of these contacts as it stands."""
         return camera_on_grasp(self.hand, self.scene, contacts, width, height)
-
-    def tip_distances(self) -> Array:
-        """The distance (k,) [m] of each fingertip from the object, negative where they overlap."""
-        return np.array([self.scene.distance_to_object(self.hand.body, tip.link, 1.0) for tip in self.hand.tips])
 
 
 class SurfaceStudio(Studio):
@@ -99,7 +95,7 @@ class SurfaceStudio(Studio):
         for ball, point in zip(self._balls, points, strict=True):
             self.engine.resetBasePositionAndOrientation(ball, point.tolist(), (0, 0, 0, 1), self.client)
 
-    def camera(self, width: int = 480, height: int = 360) -> Camera:
+    def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows all of the surface."""
         return camera_on(1.25 * box_corners(-self._half, self._half), ASIDE, width, height)
 
@@ -113,7 +109,7 @@ class ObjectStudio(Studio):
         self.scene = Scene(self.engine, self.client, body, table_friction, Anchor.NONE)
         self.scene.place(pose)
 
-    def camera(self, width: int = 480, height: int = 360) -> Camera:
+    def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows all of the object."""
         return camera_on(self.scene.object_corners(), ASIDE, width, height)
 
@@ -130,7 +126,7 @@ class HandStudio(Studio):
         """Put the joints (n,) [m or rad]."""
         self.hand.place(joints)
 
-    def camera(self, postures: Sequence[Array], width: int = 480, height: int = 360) -> Camera:
+    def camera(self, postures: Sequence[Array], width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows the hand in each of these postures (n,)."""
         corners = []
         for posture in postures:

@@ -128,10 +128,7 @@ class Scene:
         """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
         answer = np.full((3, len(hand.tips), 3), np.nan)
         for row, tip in enumerate(hand.tips):
-            contacts = self._engine.getContactPoints(
-                hand.body, self.object, linkIndexA=tip.link, physicsClientId=self._client
-            )
-            pressing = [c for c in contacts if c[9] > 0.0]
+            pressing = self._pressing(hand, self.object, tip.link)
             if not pressing:
                 continue
             weights = np.array([c[9] for c in pressing])
@@ -148,10 +145,7 @@ class Scene:
         """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
         answer = []
         for tip in hand.tips:
-            contacts = self._engine.getContactPoints(
-                hand.body, self.object, linkIndexA=tip.link, physicsClientId=self._client
-            )
-            pressing = [c for c in contacts if c[9] > 0.0]
+            pressing = self._pressing(hand, self.object, tip.link)
             points = np.array([c[5] for c in pressing]).reshape(-1, 3)
             answer.append((points, np.array([c[9] for c in pressing])))
         return answer
@@ -170,10 +164,16 @@ class Scene:
     def other_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the hand's links other than fingertips that press on the object."""
         tips = {tip.link for tip in hand.tips}
-        contacts = self._engine.getContactPoints(hand.body, self.object, physicsClientId=self._client)
-        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] not in tips and c[9] > 0.0}))
+        pressing = self._pressing(hand, self.object)
+        return tuple(sorted({hand.link_names[c[3]] for c in pressing if c[3] not in tips}))
 
     def table_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the robot's links that press on the table; its base stands still and is none of them."""
-        contacts = self._engine.getContactPoints(hand.body, self.table, physicsClientId=self._client)
-        return tuple(sorted({hand.link_names[c[3]] for c in contacts if c[3] >= 0 and c[9] > 0.0}))
+        pressing = self._pressing(hand, self.table)
+        return tuple(sorted({hand.link_names[c[3]] for c in pressing if c[3] >= 0}))
+
+    def _pressing(self, hand: BulletHand, other: int, link: int | None = None) -> list[tuple[Any, ...]]:
+        """The engine's contacts of the hand, or of one link of it, with another body that carry a force."""
+        of_link = {} if link is None else {"linkIndexA": link}
+        contacts = self._engine.getContactPoints(hand.body, other, physicsClientId=self._client, **of_link)
+        return [contact for contact in contacts if contact[9] > 0.0]

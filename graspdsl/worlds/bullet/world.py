@@ -1,4 +1,4 @@
-"""The bullet world: a hand with fingertip load cells, an object on a table, physics by PyBullet."""
+"""The bullet world: a hand that feels with its fingertips, an object on a table, physics by PyBullet."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
 from graspdsl.worlds.bullet.touch import Clock, Fingertips
 from graspdsl.worlds.protocol import (
+    GRAVITY,
     Command,
     InfeasibleStartError,
     Observation,
@@ -52,7 +53,7 @@ class BulletSettings:
     friction: float
     sensing: TactileSensor = field(default_factory=LoadCell)
     anchor: Anchor = Anchor.NONE
-    gravity: float = 9.81
+    gravity: float = GRAVITY
     table_friction: float = TABLE_FRICTION
 
 
