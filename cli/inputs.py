@@ -41,6 +41,7 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
     """The program of a spec file if it is sound, its text, and every complaint about it."""
     from graspdsl.compiler.program import examine
     from graspdsl.spec.files import read_text
+    from graspdsl.spec.named_files import folder_of_files
 
     try:
         source = read_text(path)
@@ -48,14 +49,6 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
         return None, "", error.diagnostics
     examination = examine(source, path.name, overrides, folder_of_files(path))
     return examination.program, source, examination.diagnostics
-
-
-def folder_of_files(spec: Path) -> Path:
-    """Where the files are that a spec names: beside it, or for the spec of a run among the run's copies."""
-    from graspdsl.trials.store import FILES, MANIFEST, SPEC
-
-    of_run = spec.name == SPEC and (spec.parent / MANIFEST).is_file()
-    return spec.parent / FILES if of_run else spec.parent
 
 
 def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:

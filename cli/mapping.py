@@ -11,7 +11,7 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import folder_of_files, reading, sound
+from graspdsl.cli.inputs import reading, sound
 from graspdsl.cli.messages import printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import row, table, text_of
@@ -20,6 +20,7 @@ from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, m
 from graspdsl.report.map_files import FILES, write_map
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare
+from graspdsl.spec.named_files import folder_of_files
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
