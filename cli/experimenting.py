@@ -13,6 +13,7 @@ from graspdsl.cli.running import RUNS, begin, carried_on, go_on, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic
+from graspdsl.report.claim_words import MARKS
 from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
@@ -83,12 +84,12 @@ def _begun(program: Program, text: str, spec: Path, overrides: tuple[str, ...], 
 
 
 def _text(claims: Sequence[Claim]) -> str:
-    listed = table("The chapter's claims", "claim", "measured", "agrees", words=True)
+    listed = table("The chapter's claims", "claim", "agrees if", "measured", "verdict", words=True)
     before = ""
     for claim in claims:
         if claim.experiment != before:
-            row(listed, f"{claim.experiment}", "", "")
+            row(listed, f"{claim.experiment}", "", "", "")
             before = claim.experiment
-        row(listed, f"  {claim.says}", claim.measured, "yes" if claim.agrees else "NO")
+        row(listed, f"  {claim.says}", claim.bound, claim.measured, MARKS[claim.verdict])
     doubts = [f"{claim.experiment}: {claim.says} {claim.why}." for claim in claims if claim.why]
     return text_of([listed, Text(verdict(claims)), *[Text(doubt) for doubt in doubts]])

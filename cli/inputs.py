@@ -41,12 +41,13 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
     """The program of a spec file if it is sound, its text, and every complaint about it."""
     from graspdsl.compiler.program import examine
     from graspdsl.spec.files import read_text
+    from graspdsl.spec.named_files import folder_of_files
 
     try:
         source = read_text(path)
     except DiagnosticError as error:
         return None, "", error.diagnostics
-    examination = examine(source, path.name, overrides, path.parent)
+    examination = examine(source, path.name, overrides, folder_of_files(path))
     return examination.program, source, examination.diagnostics
 
 

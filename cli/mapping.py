@@ -20,6 +20,7 @@ from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, m
 from graspdsl.report.map_files import FILES, write_map
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare
+from graspdsl.spec.named_files import folder_of_files
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
@@ -94,7 +95,7 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        program = program_of(source, spec.name, whole, spec.parent)
+        program = program_of(source, spec.name, whole, folder_of_files(spec))
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
     return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)

@@ -18,8 +18,14 @@ from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
 
 @dataclass(frozen=True, slots=True)
 class FerrariCanny:
-    """epsilon (1): the radius of the largest ball about the origin within the hull; volume (1) of the hull, both of
-    scaled wrenches. Zero, with a reason, where the hull is flat or does not hold the origin."""
+    """Both of one hull in the six dimensions of wrenches: the convex hull of the primitive wrenches of all contacts.
+
+    Its axes have no units: forces are over the sum of the normal forces, moments over that sum times the length of the
+    wrench space [m], the torque scale. epsilon: the radius of the largest ball about the origin within the hull, zero
+    where it does not hold the origin. volume: what the hull fills, whether or not it holds the origin, which is not
+    added to it; zero where the hull is flat. With moments per newton of normal force in metres it is the volume times
+    length³ [m³]: compare volumes of the same length only. Zeros come with a reason.
+    """
 
     epsilon: Metric
     volume: Metric

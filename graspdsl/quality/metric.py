@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 NO_CONTACTS = "no contacts"
+CRASHED = "the simulation failed"
 
 
 @dataclass(frozen=True, slots=True)

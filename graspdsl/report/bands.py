@@ -28,20 +28,11 @@ class Band:
     running: Array
 
 
-def mean_course(courses: Sequence[Array]) -> Array:
-    """The mean (t,) of courses (n_i,) at every tick, each keeping its last value; (0,) where there is none."""
-    known = _finite(courses)
-    if not known:
-        return np.zeros(0)
-    ticks = np.arange(max(map(len, known)))
-    total = np.zeros(len(ticks))
-    for course in known:
-        total += course[np.minimum(ticks, len(course) - 1)]
-    return np.asarray(total / len(known))
-
-
-def _finite(courses: Sequence[Array]) -> list[Array]:
-    return [course for course in courses if len(course) and np.isfinite(course).all()]
+def held_to_the_longest(courses: Sequence[Array]) -> Array:
+    """Courses (n_i,), one at least and none empty, as rows (n, t) of the longest one's length; each keeps its last
+    value."""
+    ticks = np.arange(max(map(len, courses)))
+    return np.stack([course[np.minimum(ticks, len(course) - 1)] for course in courses])
 
 
 def band(courses: Sequence[Array]) -> Band | None:
@@ -49,7 +40,7 @@ def band(courses: Sequence[Array]) -> Band | None:
 
     Long ones are looked at on MOST_TICKS ticks, evenly spaced.
     """
-    known = _finite(courses)
+    known = [course for course in courses if len(course) and np.isfinite(course).all()]
     if not known:
         return None
     lengths = np.array([len(course) for course in known])

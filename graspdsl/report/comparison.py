@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -32,8 +33,9 @@ def comparison(folders: Sequence[RunFolder]) -> dict[str, Any]:
     """Everything ``compare`` says, as plain data; what could not be measured is None.
 
     Shares carry 95 % Wilson intervals. Medians are over all finished trials that have the measure, those of costs
-    over converged ones. Differences and ratios are against the first run, each with its method; trials are paired
-    where at least half of the smaller run's trials began like those of the same number in the first run.
+    over converged ones. Differences and ratios are against the first run, each with its method; an interval that ends
+    at infinity has None for that end. Trials are paired where at least half of the smaller run's trials began like
+    those of the same number in the first run.
     ``orientation_difference``: the median of |difference| [rad] over pairs of converged trials. Raises
     DiagnosticError when a run cannot be read.
     """
@@ -141,4 +143,8 @@ def _converged(records: Sequence[TrialRecord]) -> Flags:
 
 
 def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
-    return None if estimate is None else dataclasses.asdict(estimate)
+    """An estimate as plain data, an end of its interval at infinity as None."""
+    if estimate is None:
+        return None
+    ends = None if estimate.interval is None else [end if math.isfinite(end) else None for end in estimate.interval]
+    return {**dataclasses.asdict(estimate), "interval": None if ends is None else tuple(ends)}

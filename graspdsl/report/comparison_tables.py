@@ -112,5 +112,5 @@ def _estimate(estimate: Numbers | None, form: str) -> str:
         return NOTHING
     if estimate["interval"] is None:
         return f"{estimate['value']:{form}}, too few for an interval"
-    low, high = estimate["interval"]
-    return f"{estimate['value']:{form}}, {low:{form}} to {high:{form}}"
+    low, high = ("∞" if end is None else f"{end:{form}}" for end in estimate["interval"])
+    return f"{estimate['value']:{form}}, {low} to {high}"

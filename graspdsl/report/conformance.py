@@ -1,37 +1,55 @@
-"""The chapter's experiments as claims, each held against what a run of the experiment measured (Sec. 4.5)."""
+"""The chapter's experiments as claims, each held against what a run of the experiment measured (Sec. 4.5).
+
+A claim agrees where the 95 % interval of what was measured lies within its bound, and differs where it lies outside.
+Where it reaches over the bound, or too few trials ended for an interval, the claim cannot be told.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.report.bands import mean_course
+from graspdsl.report.claim_words import median_of, rising, settling, share_of, why_untold, with_interval
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.statistics import RIGHT_ANGLE, modes, wilson
+from graspdsl.report.intervals import median_interval, peak_interval
+from graspdsl.report.judgements import Judgement, Verdict, every, judged_share, judged_value
+from graspdsl.report.mean_courses import SETTLED, MeanCourses, mean_courses
+from graspdsl.report.statistics import RIGHT_ANGLE, Mode, modes, wilson
 from graspdsl.report.summary import numbers_of
-from graspdsl.report.wording import NOTHING, millimetres, number, percent, percents
+from graspdsl.report.wording import NOTHING, counted, percent
 
-NEAR = 0.1  # rad, of an orientation that the chapter names
+# How exactly the chapter reads its figures: where it gives two decimals (0.45, 1.55) and else (0, 0.8, 1, π/2).
+HUNDREDTHS, TENTHS = 0.05, 0.1
 LOW_FORCE, LOW_MOMENT = 0.1, 0.005  # ‖ρ_f‖ (1) and ‖ρ_m‖ [m] of a good grasp
-SIGNIFICANT = 0.05  # a share of grasps that is surely larger is no rarity
-SETTLED = 0.9  # of the way that a mean residual falls
+SIGNIFICANT = 0.1  # a share of grasps that is surely larger is no rarity
+SEVERAL = 2 / 58  # the least share that "trials", of 58, can be
+SMALLER = 0.5  # of another share: a peak that is surely smaller is much smaller
+ITERATIONS = (750.0, 1250.0)  # "approximately 1000 (20 seconds)", at 50 Hz: 20 s to ten seconds are 15 to 25
+MONOTONE = 0.05  # of where a mean residual starts: what a figure of it resolves
 
 Numbers = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """One point of the chapter: what it says, what was measured and whether that agrees; ``why`` where it may not."""
+    """One point of the chapter: what it says, the bound it is judged by, what was measured, and the verdict.
+
+    needed: about how many trials would tell, where it cannot be told from those there are; None also where no number
+    would. ``why`` it does not agree.
+    """
 
     experiment: str
     says: str
+    bound: str
     measured: str
-    agrees: bool
+    verdict: Verdict
+    needed: int | None = None
     why: str = ""
 
 
@@ -42,171 +60,185 @@ def claims_of(evidence: Evidence) -> list[Claim]:
 
 
 class _Run:
-    """A run of an experiment with what the claims ask of it."""
+    """A run of an experiment with what the claims ask of it. ``ended``: its trials that ended in contact."""
 
     def __init__(self, evidence: Evidence) -> None:
         self.evidence, self.numbers = evidence, numbers_of(evidence)
         self.name = evidence.program.spec.name
-        self.modes: Sequence[Numbers] = self.numbers["modes"]
-        self.main: Numbers | None = self.modes[0] if self.modes else None
+        touching = zip(self.numbers["records"], self.numbers["in_contact"]["end"], strict=True)
+        self.ended: list[Numbers] = [r for r, touched in touching if touched and r["orientation_end"] is not None]
+        self.ends = np.array([record["orientation_end"] for record in self.ended])
+        self.modes = modes(self.ends)
 
-    def claim(self, says: str, measured: str, agrees: bool, why: str = "") -> Claim:
-        return Claim(self.name, says, measured, bool(agrees), "" if agrees else why)
+    def claim(self, says: str, bound: str, measured: str, judgement: Judgement, why: str = "") -> Claim:
+        reason = why if judgement.verdict is Verdict.DIFFERS else ""
+        if judgement.verdict is Verdict.UNTOLD:
+            reason = why_untold(judgement, len(self.evidence.records))
+        return Claim(self.name, says, bound, measured, judgement.verdict, judgement.needed, reason)
 
-    def ends(self, low: float, high: float) -> list[Numbers]:
-        """The records of trials that ended in contact with an orientation in a range [rad]."""
-        touching = self.numbers["in_contact"]["end"]
-        pairs = zip(self.numbers["records"], touching, strict=True)
-        return [
-            record
-            for record, in_contact in pairs
-            if in_contact and record["orientation_end"] is not None and low <= record["orientation_end"] <= high
-        ]
+    def of_mode(self, mode: Mode | None, field: str) -> Array:
+        """A number of a mode's trials, where it was measured; of no mode, none."""
+        return _measured([self.ended[place] for place in mode.members] if mode else [], field)
 
-    def course(self, mode: Numbers, kind: str) -> Array:
-        """The mean residual, ``force`` (1) or ``moment`` [m], of a mode's trials by tick."""
-        chosen = [getattr(self.evidence.courses[n], kind) for n in mode["trials"] if n in self.evidence.courses]
-        return mean_course(chosen)
+    def peak_near(
+        self, says: str, mode: Mode | None, place: float, said: str, *others: Judgement, also: str = ""
+    ) -> Claim:
+        """Whether a mode's peak is near an angle [rad], and what else is judged of it, said in ``also``."""
+        bound = f"within {TENTHS:g} rad of {said}{also}"
+        if mode is None:
+            return self.claim(says, bound, NOTHING, judged_value(None, None, 0, 0.0, 0.0))
+        interval = peak_interval(self.ends, mode.low, mode.high)
+        near = judged_value(mode.centre, interval, len(mode.members), place - TENTHS, place + TENTHS)
+        measured = f"{with_interval(mode.centre, interval, 'rad', 2)}; {share_of(len(mode.members), len(self.ended))}"
+        return self.claim(says, bound, measured, every(near, *others))
 
-    def main_near(self, place: float, said: str) -> Claim:
-        says = f"The largest peak of orientations at the end is near {said}."
-        if self.main is None:
-            return self.claim(says, NOTHING, False, "no trial ended in contact")
-        return self.claim(says, _mode(self.main), abs(self.main["centre"] - place) < NEAR)
-
-    def low_residuals(self, says: str, force: float = LOW_FORCE) -> Claim:
-        if self.main is None:
-            return self.claim(says, NOTHING, False, "no trial ended in contact")
-        low = self.main["force_residual"] < force and self.main["moment_residual"] < LOW_MOMENT
-        return self.claim(says, _residuals(self.main["force_residual"], self.main["moment_residual"]), low)
+    def low_residuals(self, says: str, mode: Mode | None) -> Claim:
+        """Whether the medians of both residuals over a mode's trials are low."""
+        force, moment = self.of_mode(mode, "force_residual_end"), 1e3 * self.of_mode(mode, "moment_residual_end")
+        return self.claim(
+            says,
+            f"medians ‖ρ_f‖ ≤ {LOW_FORCE:g}, ‖ρ_m‖ ≤ {1e3 * LOW_MOMENT:g} mm",
+            f"‖ρ_f‖ = {median_of(force, '', 3)}, ‖ρ_m‖ = {median_of(moment, 'mm', 1)}",
+            every(_median_within(force, 0.0, LOW_FORCE), _median_within(moment, 0.0, 1e3 * LOW_MOMENT)),
+        )
 
 
 def _two_contacts(run: _Run) -> Iterable[Claim]:
-    yield run.main_near(RIGHT_ANGLE, "π/2")
-    rest = [mode for mode in run.modes[1:] if mode["centre"] < RIGHT_ANGLE - NEAR]
-    share = sum(mode["share"] for mode in rest)
-    small = run.main is not None and 0.0 < share < 0.5 * run.main["share"]
+    main, others = next(iter(run.modes), None), run.modes[1:]
+    most, second = (len(mode.members) if mode else 0 for mode in (main, others[0] if others else None))
+    largest = judged_share(most, most + second, 0.5)
+    says = "The largest peak of orientations at the end is near π/2."
+    yield run.peak_near(says, main, RIGHT_ANGLE, "π/2", largest, also=", no fewer grasps than in the next peak")
+    aside = [run.ended[n] for mode in others if mode.centre < RIGHT_ANGLE - TENTHS for n in mode.members]
     yield run.claim(
         "There is a much smaller second peak, of grasps with a finger on the top.",
-        "; ".join(_mode(mode) for mode in rest) or "one peak only",
-        small,
-        "no grasp ended there" if not rest else "it is not much smaller",
+        f"at least {percent(SEVERAL)} of grasps (2 of 58), at most {SMALLER:g} times those of the largest",
+        share_of(len(aside), len(run.ended)),
+        every(
+            judged_share(len(aside), len(run.ended), SEVERAL),
+            judged_share(len(aside), len(aside) + most, 0.0, SMALLER / (1 + SMALLER)),
+        ),
+        "grasps seldom end away from π/2, or too often",
     )
+    places = _measured(aside, "orientation_end")
     yield run.claim(
         "The second peak lies near 0.45 rad.",
-        ", ".join(number(mode["centre"], "rad", 2) for mode in rest) or NOTHING,
-        any(abs(mode["centre"] - 0.45) < NEAR for mode in rest),
+        f"median of the grasps outside the largest peak within {HUNDREDTHS:g} rad of 0.45 rad",
+        median_of(places, "rad", 2),
+        _median_within(places, 0.45 - HUNDREDTHS, 0.45 + HUNDREDTHS),
         "where such a trial ends depends on which link touches first, and on when the monitors end it",
     )
-    yield run.low_residuals("Grasps in the main peak end with low force and moment residuals.")
-    if run.main is not None:
-        yield from _courses(run, run.main)
-    median = run.numbers["ticks_to_converge"]["median"]
+    yield run.low_residuals("Grasps in the main peak end with low force and moment residuals.", main)
+    yield from _courses(run, main)
+    ticks = _measured(run.numbers["records"], "ticks_to_converge")
     yield run.claim(
         "Residuals converge in about 1000 iterations at 50 Hz.",
-        f"median {number(median, 'ticks', 0)}",
-        median is not None and 500 <= median <= 2000,
+        f"median {ITERATIONS[0]:g} to {ITERATIONS[1]:g}, as 20 s is to ten seconds",
+        median_of(ticks, "ticks", 0),
+        _median_within(ticks, *ITERATIONS),
         "iterations go as one over the gain, which the chapter does not state; ours is half a millimetre a tick for a "
         "unit net force",
     )
 
 
-def _courses(run: _Run, mode: Numbers) -> Iterable[Claim]:
-    force, moment = run.course(mode, "force"), run.course(mode, "moment")
-    if len(force) == 0 or len(moment) == 0:
-        return
-    settled = [_settled(course) for course in (force, moment)]
+def _courses(run: _Run, mode: Mode | None) -> Iterable[Claim]:
+    numbers = [run.ended[place]["number"] for place in mode.members] if mode else []
+    courses = run.evidence.courses
+    found = mean_courses([courses[n] for n in numbers if n in courses])
+    found = found or MeanCourses(0, (None, None), math.nan, None, math.nan, None)
     yield run.claim(
         "The force residual falls first, the moment residual after it.",
-        f"the means are {percent(SETTLED)} down after {settled[0]} and {settled[1]} ticks",
-        settled[0] < settled[1] and bool(force[-1] < force[0] and moment[-1] < moment[0]),
+        f"the mean moment is {percent(SETTLED)} down one tick or more after the mean force",
+        settling(found),
+        judged_value(found.lag, found.lag_interval, found.trials, 1.0, math.inf),
         "in the null space of the force residual alone the moment falls at the same time",
     )
-    rise = float((force - np.minimum.accumulate(force)).max() / force[0])
     yield run.claim(
         "On average the force residual falls monotonically.",
-        f"the largest rise of its mean is {percent(rise)} of where it starts",
-        rise < 0.05,
+        f"its mean rises by at most {percent(MONOTONE)} of where it starts",
+        rising(found),
+        judged_value(found.rise, found.rise_interval, found.trials, 0.0, MONOTONE),
         "single trials rise while a contact is made anew",
     )
 
 
 def _three_contacts(run: _Run) -> Iterable[Claim]:
-    starts = np.array([r["orientation_start"] for r in run.numbers["records"] if r["orientation_start"] is not None])
-    peaks = modes(starts)
+    starts = _measured(run.numbers["records"], "orientation_start")
+    first = next(iter(modes(starts)), None)
+    interval = peak_interval(starts, first.low, first.high) if first else None
     yield run.claim(
         "Orientations at the start have a strong peak near 1 rad.",
-        number(peaks[0].centre if peaks else None, "rad", 2),
-        bool(peaks) and abs(peaks[0].centre - 1.0) < 2 * NEAR,
+        f"largest peak within {TENTHS:g} rad of 1 rad",
+        with_interval(first.centre if first else None, interval, "rad", 2),
+        judged_value(first.centre if first else None, interval, len(starts), 1.0 - TENTHS, 1.0 + TENTHS),
         "starts that the robot cannot take up are drawn again",
     )
-    yield run.main_near(0.0, "0")
-    yield run.low_residuals("Grasps near 0 end with ‖ρ_f‖ < 0.3.", 0.3)
-    stuck, of = run.ends(0.8, RIGHT_ANGLE), len(run.ends(0.0, RIGHT_ANGLE))
-    low, high = wilson(len(stuck), of)
+    good = next((mode for mode in run.modes if mode.centre <= TENTHS), None)
+    peak = good or next(iter(run.modes), None)
+    share = judged_share(len(peak.members) if peak else 0, len(run.ended), SIGNIFICANT)
+    says = "Orientations at the end have a peak near 0."
+    yield run.peak_near(says, peak, 0.0, "0", share, also=f", at least {percent(SIGNIFICANT)} of grasps")
+    force = run.of_mode(good, "force_residual_end")
+    yield run.claim(
+        "Grasps near 0 end with ‖ρ_f‖ < 0.3.",
+        "median ‖ρ_f‖ ≤ 0.3",
+        f"‖ρ_f‖ = {median_of(force, '', 3)}",
+        _median_within(force, 0.0, 0.3),
+    )
+    stuck = [record for record in run.ended if 0.8 <= record["orientation_end"] <= RIGHT_ANGLE]
     yield run.claim(
         "A significant number end between 0.8 and π/2.",
-        f"{percent(len(stuck) / of if of else None)} ({percents((low, high))}) of {of} that ended in contact",
-        low > SIGNIFICANT,
+        f"at least {percent(SIGNIFICANT)} of grasps",
+        share_of(len(stuck), len(run.ended)),
+        judged_share(len(stuck), len(run.ended), SIGNIFICANT),
         "the monitors end trials in which a contact is lost or another link touches before they settle there",
     )
-    force = _median(record["force_residual_end"] for record in stuck)
-    moment = _median(record["moment_residual_end"] for record in stuck)
+    force = _measured(stuck, "force_residual_end")
     yield run.claim(
         "Those end with ‖ρ_f‖ near 1.55.",
-        f"‖ρ_f‖ = {number(force, '', 2)}",
-        force is not None and abs(force - 1.55) < 1.55 / 3,
+        f"median ‖ρ_f‖ within {HUNDREDTHS:g} of 1.55",
+        f"‖ρ_f‖ = {median_of(force, '', 2)}",
+        _median_within(force, 1.55 - HUNDREDTHS, 1.55 + HUNDREDTHS),
         "a finger on the top against two on opposite sides leaves 1; what is left depends on where the two have slid",
     )
-    good = run.main["moment_residual"] if run.main else None
+    moments = 1e3 * run.of_mode(good, "moment_residual_end"), 1e3 * _measured(stuck, "moment_residual_end")
     yield run.claim(
         "The moment residual is similarly low in both.",
-        f"{millimetres(good)} near 0, {millimetres(moment)} above 0.8 rad",
-        good is not None and moment is not None and max(good, moment) < 2 * LOW_MOMENT,
+        f"both medians ‖ρ_m‖ ≤ {1e3 * LOW_MOMENT:g} mm",
+        f"{median_of(moments[0], 'mm', 1)} near 0, {median_of(moments[1], 'mm', 1)} above 0.8 rad",
+        every(*(_median_within(moment, 0.0, 1e3 * LOW_MOMENT) for moment in moments)),
         "trials that the monitors end early have not settled",
     )
 
 
-def _bottle(run: _Run) -> Iterable[Claim]:
-    if run.main is None:
-        yield run.claim("There is one mode.", NOTHING, False, "no trial ended in contact")
-        return
+def _bottle(run: _Run, trials: int) -> Iterable[Claim]:
+    """trials: how many of the chapter's all ended in the one mode."""
+    main = next(iter(run.modes), None)
+    least, held = wilson(trials, trials)[0], len(main.members) if main else 0
     yield run.claim(
-        "There is one mode (at least 90 % of the grasps).",
-        f"{_mode(run.main)}; {len(run.modes)} in all",
-        run.main["share"] >= 0.9,
+        "There is one mode.",
+        f"at least {percent(least)} of grasps in it, as {trials} of {trials} show",
+        f"{share_of(held, len(run.ended))}; {counted(len(run.modes), 'mode', 'modes')}" if main else NOTHING,
+        judged_share(held, len(run.ended), least),
         "some grasps were stuck before",
     )
-    yield run.claim(
-        "The grasp is perpendicular to the major axis.",
-        number(run.main["centre"], "rad", 2),
-        abs(run.main["centre"] - RIGHT_ANGLE) < NEAR,
-    )
-    yield run.low_residuals("Grasps end with low force and moment residuals.")
+    yield run.peak_near("The grasp is perpendicular to the major axis.", main, RIGHT_ANGLE, "π/2")
+    yield run.low_residuals("Grasps end with low force and moment residuals.", main)
 
 
 EXPERIMENTS: Mapping[str, Callable[[_Run], Iterable[Claim]]] = {
     "experiment-1": _two_contacts,
     "experiment-2": _three_contacts,
-    "experiment-3": _bottle,
-    "experiment-4": _bottle,
+    "experiment-3": partial(_bottle, trials=28),
+    "experiment-4": partial(_bottle, trials=31),
 }
 
 
-def _settled(course: Array) -> int:
-    """The first tick at which a course has fallen most of the way from its start to its end."""
-    bound = course[-1] + (1.0 - SETTLED) * (course[0] - course[-1])
-    return int(np.argmax(course <= bound))
+def _measured(records: Iterable[Numbers], field: str) -> Array:
+    """A number of records, where it was measured."""
+    return np.array([record[field] for record in records if record[field] is not None], dtype=float)
 
 
-def _mode(mode: Numbers) -> str:
-    return f"{mode['centre']:.2f} rad, {percent(mode['share'])} ({percents(mode['interval'])})"
-
-
-def _residuals(force: float | None, moment: float | None) -> str:
-    return f"‖ρ_f‖ = {number(force, '', 3)}, ‖ρ_m‖ = {millimetres(moment)}"
-
-
-def _median(values: Iterable[float | None]) -> float | None:
-    known = [value for value in values if value is not None and math.isfinite(value)]
-    return float(np.median(known)) if known else None
+def _median_within(values: Array, low: float, high: float) -> Judgement:
+    median = float(np.median(values)) if len(values) else None
+    return judged_value(median, median_interval(values), len(values), low, high)

@@ -6,17 +6,13 @@ Every difference is the other's number less the first's, with a 95 % interval.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
+from graspdsl.report.intervals import BOOTSTRAP_SEED, FEWEST, RESAMPLES, percentile_interval
 from graspdsl.report.statistics import wilson
-
-RESAMPLES = 2000
-BOOTSTRAP_SEED = 0  # the interval of a comparison is the same whenever it is made
-FEWEST = 6  # the range of n values covers their median with 1 − 2^(1−n): 95 % only from six on
 
 PAIRED_SHARES = "paired score interval (Newcombe 1998, Stat. Med. 17:2635, method 10)"
 UNPAIRED_SHARES = "hybrid score interval (Newcombe 1998, Stat. Med. 17:873, method 10)"
@@ -26,7 +22,10 @@ UNPAIRED_MEDIANS = f"percentile bootstrap over each run's trials, {RESAMPLES} re
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number with its 95 % interval; no interval where there are too few values for one. ``method``: in words."""
+    """A number with its 95 % interval, which may end at infinity; no interval where there are too few values for one.
+
+    ``method``: in words.
+    """
 
     value: float
     interval: tuple[float, float] | None
@@ -92,30 +91,40 @@ def difference_of_medians(other: Array, first: Array, *, paired: bool) -> Estima
     other: (m,), first: (n,); ``paired``: m = n, and trials are drawn again in pairs. The interval errs on the wide side
     for pairs: in simulations of 12 and of 40 pairs it held the true difference 98 and 99 times of 100.
     """
-    return _of_medians(other, first, np.subtract, paired=paired)
+    if len(other) == 0 or len(first) == 0:
+        return None
+    value = float(np.median(other) - np.median(first))
+    ours, theirs = _medians_drawn_again(other, first, paired=paired)
+    return _estimate(value, ours - theirs, ours - theirs, min(len(other), len(first)), paired=paired)
 
 
 def ratio_of_medians(other: Array, first: Array, *, paired: bool) -> Estimate | None:
-    """The ratio of two medians, as :func:`difference_of_medians`. None also where the first median is zero."""
-    if len(first) == 0 or np.median(first) == 0.0:
+    """The ratio of two medians of numbers not below zero, as :func:`difference_of_medians`.
+
+    None also where the first median is zero. A resample whose first median is zero has an infinite ratio; where both
+    are zero it may be anything, which widens the interval at either end.
+    """
+    if len(other) == 0 or len(first) == 0 or np.median(first) == 0.0:
         return None
-    return _of_medians(other, first, np.divide, paired=paired)
+    value = float(np.median(other) / np.median(first))
+    ours, theirs = _medians_drawn_again(other, first, paired=paired)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = ours / theirs
+    least, most = np.nan_to_num(ratios, nan=0.0, posinf=np.inf), np.nan_to_num(ratios, nan=np.inf, posinf=np.inf)
+    return _estimate(value, least, most, min(len(other), len(first)), paired=paired)
 
 
-def _of_medians(
-    other: Array, first: Array, contrast: Callable[[Array, Array], Array], *, paired: bool
-) -> Estimate | None:
-    if len(other) == 0 or len(first) == 0:
-        return None
-    value = float(contrast(np.median(other, keepdims=True), np.median(first, keepdims=True))[0])
-    count = min(len(other), len(first))
-    method = PAIRED_MEDIANS if paired else UNPAIRED_MEDIANS
-    if count < FEWEST:
-        return Estimate(value, None, method, count)
+def _medians_drawn_again(other: Array, first: Array, *, paired: bool) -> tuple[Array, Array]:
+    """The medians (RESAMPLES,) of both, their values drawn again."""
     random = np.random.default_rng(BOOTSTRAP_SEED)
     rows = random.integers(len(other), size=(RESAMPLES, len(other)))
     columns = rows if paired else random.integers(len(first), size=(RESAMPLES, len(first)))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        contrasts = contrast(np.median(other[rows], axis=1), np.median(first[columns], axis=1))
-    low, high = np.percentile(contrasts[np.isfinite(contrasts)], [2.5, 97.5])
-    return Estimate(value, (float(low), float(high)), method, count)
+    return np.median(other[rows], axis=1), np.median(first[columns], axis=1)
+
+
+def _estimate(value: float, least: Array, most: Array, count: int, *, paired: bool) -> Estimate:
+    """The estimate whose interval ends where resampled numbers do: at the low end ``least``, at the high ``most``."""
+    method = PAIRED_MEDIANS if paired else UNPAIRED_MEDIANS
+    if count < FEWEST:
+        return Estimate(value, None, method, count)
+    return Estimate(value, (percentile_interval(least)[0], percentile_interval(most)[1]), method, count)

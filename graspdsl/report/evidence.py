@@ -22,7 +22,7 @@ class Course:
 
     time [s] since then, force ‖ρ_f‖ (1) and moment ‖ρ_m‖ [m]: (n,) each, empty where the controller never took over;
     a residual that could not be measured is the one before it. ``touching``: whether every contact of the grasp touched
-    at the last row of the trial.
+    at the last row of the trial, by the simulator's truth and not as the hand senses it.
     """
 
     time: Array
@@ -41,7 +41,7 @@ class Evidence:
     courses: dict[int, Course]
 
     def touching(self, record: TrialRecord) -> bool | None:
-        """Whether every contact of the grasp touched at the end of a trial; None where that is not known."""
+        """Whether every contact of the grasp truly touched at the end of a trial; None where that is not known."""
         course = self.courses.get(record.number)
         return None if course is None else course.touching
 
@@ -69,7 +69,7 @@ def _course(
         return None
     time, force, moment = (rows[name].astype(np.float64) for name in ("time", "force_residual", "moment_residual"))
     grasp = contacts[int(rows["phase"][-1])]
-    touched = bool(rows["touching"][-1, list(grasp)].all())
+    touched = bool(np.isfinite(rows["forces"][-1, list(grasp)]).all())  # a contact that does not touch has none
     # The controller's samples are the last rows, from where it takes over from the guarded close.
     begun = len(time) - min(record.samples, len(time))
     return Course(time[begun:] - time[begun : begun + 1], _held(force[begun:]), _held(moment[begun:]), touched)

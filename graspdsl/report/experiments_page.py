@@ -7,7 +7,9 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from graspdsl.report.claim_words import MARKS
 from graspdsl.report.conformance import Claim
+from graspdsl.report.judgements import Verdict
 from graspdsl.report.templating import rendered
 from graspdsl.report.writing import replace
 
@@ -16,8 +18,9 @@ TITLE = "The chapter's experiments"
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """How many claims agree, in a sentence."""
-    return f"{sum(claim.agrees for claim in claims)} of {len(claims)} points agree with the chapter."
+    """How many claims agree, differ and cannot be told, in a sentence."""
+    agree, differ, untold = (sum(claim.verdict is kind for claim in claims) for kind in Verdict)
+    return f"{agree} of {len(claims)} points agree with the chapter, {differ} differ, {untold} cannot be told."
 
 
 def as_data(claims: Sequence[Claim]) -> list[dict[str, object]]:
@@ -30,7 +33,7 @@ def write_experiments(place: Path, claims: Sequence[Claim], reports: Mapping[str
 
     Returns where the page is. Raises DiagnosticError where the folder cannot be written to.
     """
-    page = rendered("experiments.html", title=TITLE, verdict=verdict(claims), claims=claims, links=reports)
+    page = rendered("experiments.html", title=TITLE, verdict=verdict(claims), claims=claims, links=reports, marks=MARKS)
     data = json.dumps(as_data(claims), indent=2, ensure_ascii=False) + "\n"
     replace(place, {PAGE: page, NUMBERS: data})
     return place / PAGE

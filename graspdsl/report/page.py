@@ -46,7 +46,8 @@ def page(evidence: Evidence, *, frames: Frames = NO_FRAMES, claims: Sequence[Map
     """The page of a run: one file that needs no other.
 
     frames: a PNG picture of the end of one trial for each outcome, by the outcome's name, of the trials that
-    :func:`graspdsl.report.outcomes.representatives` names. claims: rows {experiment, says, measured, agrees, why}.
+    :func:`graspdsl.report.outcomes.representatives` names. claims: rows {experiment, says, bound, measured, verdict,
+    why}.
     """
     numbers = numbers_of(evidence)
     return _page(evidence, numbers, _drawings(evidence, numbers), frames, claims)

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from graspdsl.report.claim_words import MARKS
+from graspdsl.report.judgements import Verdict
 from graspdsl.report.wording import NOTHING, percent, percents
 
 Numbers = Mapping[str, Any]
@@ -137,13 +139,15 @@ def claims_table(claims: Sequence[Numbers]) -> PageTable:
         (
             words(str(claim["experiment"])),
             words(str(claim["says"])),
+            words(str(claim["bound"])),
             words(str(claim["measured"])),
-            words("✓ agrees" if claim["agrees"] else "✗ disagrees"),
+            words(MARKS[Verdict(claim["verdict"])]),
             words(str(claim["why"])),
         )
         for claim in claims
     )
-    return PageTable("Claims and measurements", ("experiment", "claim", "measured", "agreement", "reason"), rows)
+    columns = ("experiment", "claim", "agrees if", "measured", "verdict", "reason")
+    return PageTable("Claims and measurements", columns, rows)
 
 
 def trials_table(numbers: Numbers, tick: str) -> PageTable:

@@ -31,9 +31,9 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
 
     Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth: ``start`` and ``end`` over
     all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
-    of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether all contacts
-    touched at any time (start) and at the last tick (end, None where the trajectory is lost). Shares carry 95 % Wilson
-    intervals.
+    of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether the hand felt
+    all contacts at any time (start) and whether all truly touched at the last tick (end, None where the trajectory is
+    lost). Shares carry 95 % Wilson intervals.
     """
     folder, records = evidence.folder, evidence.records
     manifest, spec = folder.manifest, evidence.program.spec

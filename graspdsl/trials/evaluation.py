@@ -13,7 +13,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.grades import graded_ferrari_canny, graded_force_closure, grasp_wrenches
 from graspdsl.quality.lift_and_shake import Handling, Held, lift_and_shake
-from graspdsl.quality.metric import NO_CONTACTS
+from graspdsl.quality.metric import CRASHED, NO_CONTACTS
 from graspdsl.trials.stage import WitnessedWorld
 from graspdsl.worlds.protocol import PalmWorld
 
@@ -39,19 +39,23 @@ class Evaluation:
         if not self.grades:
             return {}
         truth = world.truth()
+        if not np.isfinite(truth.object_position).all():
+            return self.of_nothing(CRASHED)
         touching = [contact for contact in contacts if np.isfinite(truth.points[contact]).all()]
-        if not touching or not np.isfinite(truth.object_position).all():
-            return self.of_nothing()
+        if not touching:
+            return self.of_nothing(NO_CONTACTS)
         measured = self._in_wrench_space(truth.points[touching], truth.normals[touching], truth.object_position)
         return {**measured, **self._handled(world, touching)}
 
-    def of_nothing(self) -> Quality:
-        """The grades of a trial that came to no contact."""
-        dropped = dataclasses.asdict(Held(False, NO_CONTACTS))
-        return {
-            **self._in_wrench_space(NOWHERE, NOWHERE, np.zeros(3)),
-            **{grade: dropped for grade in HANDLING if grade in self.grades},
-        }
+    def of_nothing(self, reason: str) -> Quality:
+        """The grades of a trial without a grasp to grade: none is closed, measured or held, for this reason."""
+        quality = self._in_wrench_space(NOWHERE, NOWHERE, np.zeros(3))
+        if "force-closure" in quality:
+            quality["force-closure"]["reason"] = reason
+        if "ferrari-canny" in quality:
+            quality["ferrari-canny"].update({name: {"value": None, "reason": reason} for name in ("epsilon", "volume")})
+        dropped = dataclasses.asdict(Held(False, reason))
+        return {**quality, **{grade: dropped for grade in HANDLING if grade in self.grades}}
 
     def _handled(self, world: WitnessedWorld, contacts: Sequence[int]) -> Quality:
         asked = [grade for grade in HANDLING if grade in self.grades]

@@ -8,6 +8,7 @@ from collections import Counter
 import numpy as np
 
 from graspdsl.compiler.program import CheckedPhase, Program
+from graspdsl.quality.metric import CRASHED, NO_CONTACTS
 from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.identity import identity
 from graspdsl.trials.logbook import Logbook
@@ -54,7 +55,6 @@ class TrialLoop:
         began = time.perf_counter()
         random = generator(seed, number)
         start, redraws, log = None, 0, Logbook(np.zeros(3))
-        quality = self._evaluation.of_nothing()
         try:
             start, redraws, observation = self._begin(number, random)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
@@ -62,11 +62,12 @@ class TrialLoop:
             verdict = self._phases(observation, log)
             quality = self._evaluation.of(self._world, self._program.phases[-1].grasp.contacts)
         except WorldCrashError as error:
-            verdict = Verdict(Outcome.CRASHED, str(error))
+            verdict, quality = Verdict(Outcome.CRASHED, str(error)), self._evaluation.of_nothing(CRASHED)
         except NoFeasibleStartError as error:
             redraws, verdict = error.draws, Verdict(Outcome.INFEASIBLE_START, str(error))
+            quality = self._evaluation.of_nothing(NO_CONTACTS)
         except UnstableObjectError as error:
-            verdict = Verdict(Outcome.TOPPLED, str(error))
+            verdict, quality = Verdict(Outcome.TOPPLED, str(error)), self._evaluation.of_nothing(NO_CONTACTS)
         finally:
             self._world.close()
         record = TrialRecord(

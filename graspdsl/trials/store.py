@@ -17,14 +17,14 @@ from pydantic import Field, TypeAdapter
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.spec.files import read_text
-from graspdsl.spec.named_files import NamedFile
+from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
 from graspdsl.spec.trials import MOST_TRIALS
 from graspdsl.trials.record import Duration, Trial, TrialRecord
 from graspdsl.trials.rows import COLUMNS, record_of, row_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory
 
-MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
-FILES = "files"  # copies of those that the spec names
+MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
+FILES = COPIES  # of those that the spec names
 LARGEST_TABLE, LONGEST_VALUE = 1024**3, 1024**2  # bytes of the table's file and of one value in it
 _TABLE_MADE_BY = f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))"
 

@@ -8,9 +8,12 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import trimesh
 
 from cli.program import PROGRAM, SPEC, graspdsl, heed_interrupts
+from graspdsl.trials.store import RunFolder
 
 FLOATING = SPEC.parent / "compare" / "moment_subject_to_force.yaml"
 SHORT = ("--set", "program.1.limit=1.0")  # s: enough to tell the classes of the cells apart
@@ -83,6 +86,30 @@ def test_a_map_of_floating_contacts(tmp_path: Path) -> None:
     again = graspdsl(*first["command"].split()[1:], "--out", "again", "--json", cwd=tmp_path)
     assert without_place(json.loads(again.stdout)) == without_place(first)
     assert graspdsl(*first["command"].split()[1:], "--out", "again", cwd=tmp_path).returncode == 1
+
+
+def test_a_map_of_an_object_from_a_file_keeps_the_file(tmp_path: Path) -> None:
+    """Its command makes the same map again when the file is gone, which a smaller part does not."""
+    part, spec = tmp_path / "part.stl", tmp_path / "part.yaml"
+    spec.write_text(SPEC.read_text("utf-8").replace("object: towel-roll", "object: {mesh: {file: part.stl}}"), "utf-8")
+    words = ("--over", "roll,height=0.08:0.12", "--grid", "2x1", *SHORT, "--workers", "1", "--json")
+    maps = {}
+    for name, radius in (("large", 0.045), ("small", 0.025)):
+        trimesh.creation.cylinder(radius=radius, height=0.18).export(part)
+        done = graspdsl("map", spec, *words, "--out", tmp_path / name, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        maps[name] = json.loads(done.stdout)
+    part.unlink()
+    spec.unlink()
+    assert [file.suffix for file in (tmp_path / "large" / "files").iterdir()] == [".stl"]
+    again = graspdsl(*maps["large"]["command"].split()[1:], "--out", "again", "--json", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert without_place(json.loads(again.stdout)) == without_place(maps["large"])
+    ends = {name: RunFolder.open(tmp_path / name).records() for name in ("large", "small", "again")}
+    shown = {name: [record.orientation_end for record in records] for name, records in ends.items()}
+    assert np.isfinite(shown["large"]).any()
+    np.testing.assert_array_equal(shown["again"], shown["large"])
+    assert not np.array_equal(shown["small"], shown["large"])
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,9 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
+from stored_runs import stored_run
 
-from graspdsl.compiler.program import program_of
 from graspdsl.trials.replay import Replay, frame
-from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 from graspdsl.worlds.bullet.replay import GraspStudio
 
@@ -24,18 +23,10 @@ QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
 FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 
 
-def made(place: Path, spec: Path, *overrides: str) -> RunFolder:
-    """A run of a spec."""
-    text = spec.read_text("utf-8")
-    folder = new_run(place, program_of(text, spec.name, overrides), text, spec.name, overrides)
-    execute(folder, workers=1)
-    return folder
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     """Two short trials of the main experiment."""
-    return made(tmp_path_factory.mktemp("runs") / "run", SPEC, *QUICK)
+    return stored_run(tmp_path_factory.mktemp("runs") / "run", SPEC, *QUICK)
 
 
 def test_fingertips_are_where_they_touched(folder: RunFolder) -> None:
@@ -72,13 +63,13 @@ def test_a_frame_is_a_picture_or_nothing(folder: RunFolder, tmp_path: Path) -> N
     assert picture.format == "PNG"
     assert len(np.unique(np.asarray(picture.convert("L")))) > 20
     assert frame(folder, 7) is None
-    lost = made(tmp_path / "lost", SPEC, *QUICK[1:], "trials.count=1")
+    lost = stored_run(tmp_path / "lost", SPEC, *QUICK[1:], "trials.count=1")
     lost.trajectory_file(0).write_bytes(b"nothing")
     assert frame(lost, 0) is None
 
 
 def test_floating_contacts_have_a_frame_too(tmp_path: Path) -> None:
-    assert frame(made(tmp_path / "floating", FLOATING, "trials.count=1"), 0) is not None
+    assert frame(stored_run(tmp_path / "floating", FLOATING, "trials.count=1"), 0) is not None
 
 
 def test_pictures_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:

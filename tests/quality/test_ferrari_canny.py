@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
+from scipy.spatial import ConvexHull
 
 from graspdsl.arrays import Array
 from graspdsl.quality.contact_models import ContactModel, FrictionlessPoint, HardPoint, SoftFinger
@@ -183,3 +184,13 @@ def test_more_friction_is_never_worse(seed: int, friction: float, more: float) -
     assert other.volume.value is not None
     assert other.epsilon.value >= one.epsilon.value - 1e-9
     assert other.volume.value >= one.volume.value - 1e-12
+
+
+@pytest.mark.parametrize("length", [0.02, 0.5])
+def test_the_volume_in_units_is_that_of_the_hull_of_wrenches_in_units(length: float) -> None:
+    """Moments per newton in metres: three of the six dimensions are longer by the length."""
+    space = wrench_space(*random_contacts(3, 4), HardPoint(0.5, 8), length=length)
+    in_units = space.wrenches * np.array([1.0, 1.0, 1.0, length, length, length])
+    volume = ferrari_canny(space).volume.value
+    assert volume is not None
+    assert volume * length**3 == pytest.approx(ConvexHull(in_units).volume, rel=1e-6)

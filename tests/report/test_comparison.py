@@ -8,32 +8,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stored_runs import stored_run
 
-from graspdsl.compiler.program import program_of
 from graspdsl.report.comparison import comparison
+from graspdsl.report.comparison_tables import tables_of
 from graspdsl.report.differences import UNPAIRED_MEDIANS, UNPAIRED_SHARES
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
-from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 TOWEL = SPECS.parent / "towel_roll_two_contacts.yaml"
 
 
-def run(folder: Path, name: str, *overrides: str) -> RunFolder:
-    """A small run of one of the specs to compare."""
-    text = (SPECS / name).read_text("utf-8")
-    program = program_of(text, name, overrides)
-    made = new_run(folder, program, text, name, overrides)
-    execute(made, workers=1)
-    return made
-
-
 @pytest.fixture(scope="module")
 def composite(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     """Twelve trials of the composite controller."""
-    return run(tmp_path_factory.mktemp("runs") / "composite", "moment_subject_to_force.yaml", "trials.count=12")
+    return stored_run(
+        tmp_path_factory.mktemp("runs") / "composite", SPECS / "moment_subject_to_force.yaml", "trials.count=12"
+    )
 
 
 def test_a_run_equals_itself(composite: RunFolder) -> None:
@@ -53,9 +46,7 @@ def test_a_run_equals_itself(composite: RunFolder) -> None:
 
 def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
     """A run whose trials take three times as long has that ratio, and medians are numpy's."""
-    text = (SPECS / "moment_subject_to_force.yaml").read_text("utf-8")
-    overrides = ("trials.count=12",)
-    slow = new_run(tmp_path / "slow", program_of(text, "s", overrides), text, "s", overrides)
+    slow = stored_run(tmp_path / "slow", SPECS / "moment_subject_to_force.yaml", "trials.count=12", begun=False)
     for record in composite.records():
         slow.add(Trial(replace(record, world_s=3.0 * record.world_s), composite.trajectory(record.number)))
     numbers = comparison([composite, slow])
@@ -66,9 +57,25 @@ def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
     assert low <= 3.0 <= high
 
 
+def test_a_ratio_without_an_upper_end_is_said_and_stored(composite: RunFolder, tmp_path: Path) -> None:
+    """Against a run nearly half of whose trials cost nothing: ∞ in the table, null in the document."""
+    free = stored_run(tmp_path / "free", SPECS / "moment_subject_to_force.yaml", "trials.count=12", begun=False)
+    good = [record.number for record in composite.records() if record.outcome is Outcome.CONVERGED]
+    costless = good[: (len(good) - 1) // 2]
+    for record in composite.records():
+        spent = 0.0 if record.number in costless else record.world_s
+        free.add(Trial(replace(record, world_s=spent), composite.trajectory(record.number)))
+    numbers = comparison([free, composite])
+    ratio = json.loads(json.dumps(numbers, allow_nan=False))["against_first"][0]["ratios"]["world_s"]
+    assert ratio["interval"][1] is None
+    [*_, against] = tables_of(numbers)
+    [row] = [row for row in against.rows if row[0].startswith("time of a trial") and row[0].endswith("ratio")]
+    assert row[1].endswith("to ∞")
+
+
 def test_runs_of_other_seeds_are_not_paired(composite: RunFolder, tmp_path: Path) -> None:
     """Without equal starts there are no pairs, but still ratios and differences with intervals."""
-    other = run(tmp_path / "other", "moment_subject_to_force.yaml", "trials.count=12", "trials.seed=99")
+    other = stored_run(tmp_path / "other", SPECS / "moment_subject_to_force.yaml", "trials.count=12", "trials.seed=99")
     [against] = comparison([composite, other])["against_first"]
     assert against["pairs"] == 0
     assert against["orientation_difference"] is None
@@ -80,7 +87,7 @@ def test_runs_of_other_seeds_are_not_paired(composite: RunFolder, tmp_path: Path
 
 def test_a_run_without_convergence_has_no_ratio(composite: RunFolder, tmp_path: Path) -> None:
     """Nothing converged, nothing to compare: None, not a number out of nowhere."""
-    hopeless = run(tmp_path / "hopeless", "moment_alone.yaml", "trials.count=2", "program.0.limit=0.5")
+    hopeless = stored_run(tmp_path / "hopeless", SPECS / "moment_alone.yaml", "trials.count=2", "program.0.limit=0.5")
     numbers = comparison([composite, hopeless])
     assert numbers["runs"][1]["medians"]["world_s"] is None
     [against] = numbers["against_first"]
@@ -94,8 +101,7 @@ def test_a_run_without_convergence_has_no_ratio(composite: RunFolder, tmp_path: 
 
 def test_a_run_that_has_not_begun_is_compared(composite: RunFolder, tmp_path: Path) -> None:
     """No finished trial: no share, no difference, no complaint, whichever stands first."""
-    text = (SPECS / "cstar.yaml").read_text("utf-8")
-    empty = new_run(tmp_path / "empty", program_of(text, "e", ()), text, "e", ())
+    empty = stored_run(tmp_path / "empty", SPECS / "cstar.yaml", begun=False)
     for folders in ([composite, empty], [empty, composite], [empty, empty]):
         numbers = comparison(folders)
         [against] = numbers["against_first"]
@@ -108,8 +114,7 @@ def test_a_run_that_has_not_begun_is_compared(composite: RunFolder, tmp_path: Pa
 
 def hand_run(folder: Path, composite: RunFolder, starts: list[dict[str, float]], good: list[bool]) -> RunFolder:
     """A run in the bullet world whose trials drew these starts and did or did not converge."""
-    text = TOWEL.read_text("utf-8")
-    made = new_run(folder, program_of(text, "t", ()), text, "t", ())
+    made = stored_run(folder, TOWEL, begun=False)
     pattern = composite.records()[0]
     for number, (start, converged) in enumerate(zip(starts, good, strict=True)):
         outcome = Outcome.CONVERGED if converged else Outcome.TIMEOUT
@@ -142,5 +147,5 @@ def test_few_pairs_among_many_trials_are_not_used(composite: RunFolder, tmp_path
 def test_contacts_on_another_object_did_not_begin_alike(composite: RunFolder, tmp_path: Path) -> None:
     """In the floating world nothing is drawn but by the seed, over the object."""
     change = "scene.object={ellipsoid: {size: [0.1, 0.1, 0.3]}}"
-    other = run(tmp_path / "other", "moment_subject_to_force.yaml", "trials.count=3", change)
+    other = stored_run(tmp_path / "other", SPECS / "moment_subject_to_force.yaml", "trials.count=3", change)
     assert comparison([composite, other])["against_first"][0]["pairs"] == 0

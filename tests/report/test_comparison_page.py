@@ -4,33 +4,22 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from stored_runs import stored_run
 
-from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.report.comparison import comparison
 from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
 from graspdsl.report.comparison_page import FIGURES, write_comparison
 from graspdsl.report.comparison_tables import methods_of, tables_of
 from graspdsl.report.evidence import gathered
-from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
+from report.reader import Reader
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
-VOID = {"meta", "img", "br", "path", "use", "rect", "circle", "line", "stop", "link"}
-
-
-def run(folder: Path, name: str, *overrides: str, count: int | None = None) -> RunFolder:
-    """A small run of one of the specs to compare; only begun for a count of 0."""
-    text = (SPECS / name).read_text("utf-8")
-    made = new_run(folder, program_of(text, name, overrides), text, name, overrides)
-    if count != 0:
-        execute(made, workers=1)
-    return made
 
 
 @pytest.fixture(scope="module")
@@ -38,43 +27,10 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunFolder]:
     """One that converges, one that mostly does not, one that never began; in folders with names to be escaped."""
     place = tmp_path_factory.mktemp("<i>&")
     return [
-        run(place / "<script>", "moment_subject_to_force.yaml", "trials.count=8"),
-        run(place / "b", "cstar.yaml", "trials.count=4", "about=a <b>"),
-        run(place / "c", "cstar.yaml", count=0),
+        stored_run(place / "<script>", SPECS / "moment_subject_to_force.yaml", "trials.count=8"),
+        stored_run(place / "b", SPECS / "cstar.yaml", "trials.count=4", "about=a <b>"),
+        stored_run(place / "c", SPECS / "cstar.yaml", begun=False),
     ]
-
-
-class Reader(HTMLParser):
-    """Reads a page: what it refers to, its ids, and whether its elements close."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.ids: list[str] = []
-        self.links: list[str] = []
-        self.text = ""
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """An element begins."""
-        self.ids += [value or "" for name, value in attrs if name == "id"]
-        self.links += [value or "" for name, value in attrs if name in ("href", "src", "xlink:href")]
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """An element without content."""
-        self.handle_starttag(tag, attrs)
-        if tag not in VOID:
-            self.open.pop()
-
-    def handle_endtag(self, tag: str) -> None:
-        """An element ends."""
-        if tag not in VOID:
-            assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        """Text."""
-        self.text += data
 
 
 def test_the_page_holds_all_and_needs_no_other_file(runs: list[RunFolder], tmp_path: Path) -> None:

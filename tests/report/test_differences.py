@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from graspdsl.report.differences import (
-    FEWEST,
     Estimate,
     difference_of_medians,
     difference_of_paired_shares,
     difference_of_shares,
     ratio_of_medians,
 )
+from graspdsl.report.intervals import FEWEST
 
 # Successes and trials of two samples, with the interval of Newcombe 1998, Stat. Med. 17:873, Table II, method 10.
 UNPAIRED = [
@@ -158,3 +158,49 @@ def test_a_ratio_and_a_difference_of_medians() -> None:
     assert difference.value == 8.0
     assert difference.interval is not None
     assert difference.interval[0] < 8.0 < difference.interval[1]
+
+
+def test_a_ratio_may_be_infinite() -> None:
+    """Nine of 21 trials cost nothing: the median of many resamples is zero, and so the ratio infinite."""
+    first, other = np.array([0.0] * 9 + [1.0] * 12), np.full(21, 3.0)
+    chance = stats.binom.sf(10, 21, 9 / 21)  # that eleven or more of those drawn cost nothing
+    assert chance > 0.2
+    for paired in (False, True):
+        found = ratio_of_medians(other, first, paired=paired)
+        assert found is not None
+        assert (found.value, found.interval) == (3.0, (3.0, np.inf))
+
+
+def test_a_ratio_of_nothing_to_nothing_may_be_anything() -> None:
+    values = np.array([0.0] * 9 + [1.0] * 12)
+    found = ratio_of_medians(values, values, paired=True)
+    assert found is not None
+    assert (found.value, found.interval) == (1.0, (0.0, np.inf))
+
+
+def test_an_infinite_end_is_hardly_ever_drawn_where_zeros_are_rare() -> None:
+    """Two of 21 cost nothing: the chance of a zero median is far below the 2.5 % of each end."""
+    first = np.array([0.0] * 2 + [1.0] * 19)
+    assert stats.binom.sf(10, 21, 2 / 21) < 1e-4
+    found = ratio_of_medians(np.full(21, 3.0), first, paired=False)
+    assert found is not None
+    assert found.interval == (3.0, 3.0)
+
+
+def test_ratios_with_zeros_among_the_values_are_covered() -> None:
+    """Costs of which a third are zero, of true ratio 3: not less than 95 of 100 intervals hold it."""
+    random, held, infinite, times = np.random.default_rng(7), 0, 0, 0
+
+    def costs(size: int, scale: float) -> np.ndarray:
+        return np.where(random.uniform(size=size) < 1 / 3, 0.0, scale * (1.0 + random.exponential(size=size)))
+
+    for _ in range(300):
+        found = ratio_of_medians(costs(25, 3.0), costs(25, 1.0), paired=False)
+        if found is None:  # the first median is zero
+            continue
+        assert found.interval is not None
+        times += 1
+        held += found.interval[0] <= 3.0 <= found.interval[1]
+        infinite += bool(np.isinf(found.interval[1]))
+    assert stats.binomtest(held, times, 0.95, alternative="less").pvalue > 1e-3
+    assert 0 < infinite < times

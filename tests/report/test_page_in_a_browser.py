@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
+from stored_runs import stored_run
 
-from graspdsl.compiler.program import program_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.page import FIGURES, write_report
-from graspdsl.trials.runner import execute, new_run
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "compare" / "moment_subject_to_force.yaml"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -34,11 +33,9 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium h
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a run, some of whose trials do not converge, with scripts where texts should be."""
-    text = SPEC.read_text("utf-8")
     settings = ("trials.count=12", "program.0.limit=1.1", f"about={SAID}", f"scene.object.name={SAID}")
-    folder = new_run(tmp_path_factory.mktemp("page") / "run", program_of(text, "s", settings), text, "s", settings)
-    execute(folder, workers=1)
-    claim = {"experiment": 1, "says": "x " * 60, "measured": "y", "agrees": True, "why": "z " * 60}
+    folder = stored_run(tmp_path_factory.mktemp("page") / "run", SPEC, *settings)
+    claim = {"experiment": 1, "says": "x " * 60, "bound": "b", "measured": "y", "verdict": "agrees", "why": "z " * 60}
     return write_report(gathered(folder), claims=[claim])
 
 

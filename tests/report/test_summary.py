@@ -45,7 +45,7 @@ def _record(number: int, **values: Any) -> TrialRecord:
 
 def _trajectory(*, touching: bool) -> dict[str, Float32Array]:
     """One row: every contact touches, or none."""
-    return {**whole_rows(1), "touching": np.full((1, 3), touching, np.float32)}
+    return {**whole_rows(1), "forces": np.full((1, 3, 3), 1.0 if touching else math.nan, np.float32)}
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from graspdsl.compiler.program import program_of
+from graspdsl.quality.metric import CRASHED
 from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
@@ -218,10 +219,12 @@ def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
 
 
 class Struck(BulletWorld):
-    """A world in which a force without measure strikes a finger, so that the engine's numbers end."""
+    """A world in which a force without measure strikes a finger that grasps, so that the engine's numbers end."""
 
     def step(self, command: Command) -> Observation:
-        """One tick, with the blow before it."""
+        """One tick, with the blow before it once every fingertip touches."""
+        if not np.isfinite(self.truth().points).all():
+            return super().step(command)
         self._engine.applyExternalForce(
             self.hand.body,
             self.hand.tips[0].link,
@@ -234,8 +237,14 @@ class Struck(BulletWorld):
 
 
 def test_a_simulation_without_numbers_has_crashed() -> None:
-    program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START,))
+    """In contact: its grades say so, and not that nothing touched."""
+    grades = "evaluate=[force-closure, ferrari-canny, lift, shake]"
+    program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START, grades))
     world = Struck(BulletSettings(program.robot, program.body, 0.4))
     record = TrialLoop(program, world).run(0, 5).record
     assert record.outcome is Outcome.CRASHED
     assert "number" in record.detail
+    assert record.samples > 0
+    measures = record.quality["ferrari-canny"]
+    graded = [record.quality["force-closure"], measures["epsilon"], measures["volume"], record.quality["lift"]]
+    assert {grade["reason"] for grade in (*graded, record.quality["shake"])} == {CRASHED}

@@ -1,0 +1,83 @@
+"""Whether a number of a run keeps a bound: it does, it does not, or too few trials ended to tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from graspdsl.report.intervals import FEWEST, Interval
+from graspdsl.report.statistics import wilson
+
+MOST = 100_000  # trials that anyone may be asked for
+
+
+class Verdict(StrEnum):
+    """What a run says of a claim."""
+
+    AGREES = "agrees"
+    DIFFERS = "differs"
+    UNTOLD = "cannot be told"
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """A verdict with the trials that it is from.
+
+    needed: about how many would tell, were they like these; None where it is told, or where none of up to MOST would.
+    """
+
+    verdict: Verdict
+    trials: int
+    needed: int | None = None
+
+
+def judged_share(successes: int, count: int, low: float, high: float = 1.0) -> Judgement:
+    """Whether a share lies between two bounds: by where its 95 % Wilson interval lies.
+
+    Of no trials at all, ``needed`` is how many could agree at best.
+    """
+    verdict = _placed(wilson(successes, count), low, high)
+    if verdict is not Verdict.UNTOLD:
+        return Judgement(verdict, count)
+    tries = range(count + 1, MOST + 1)
+    if count == 0:
+        told = (n for n in tries if any(_placed(wilson(k, n), low, high) is Verdict.AGREES for k in range(n + 1)))
+    else:
+        scaled = ((n, round(successes * n / count)) for n in tries)
+        told = (n for n, k in scaled if _placed(wilson(k, n), low, high) is not Verdict.UNTOLD)
+    return Judgement(verdict, count, next(told, None))
+
+
+def judged_value(value: float | None, interval: Interval | None, trials: int, low: float, high: float) -> Judgement:
+    """Whether a number lies between two bounds, by where its 95 % interval lies; None: of too few trials for one.
+
+    ``needed`` supposes that the interval narrows with the root of the number of trials.
+    """
+    if value is None or interval is None:
+        return Judgement(Verdict.UNTOLD, trials, FEWEST)
+    verdict = _placed(interval, low, high)
+    if verdict is not Verdict.UNTOLD:
+        return Judgement(verdict, trials)
+    if low <= value <= high:
+        sides = [(value - interval[0], value - low), (interval[1] - value, high - value)]
+    else:
+        sides = [(value - interval[0], value - high)] if value > high else [(interval[1] - value, low - value)]
+    ratios = [math.inf if gap <= 0.0 else width / gap for width, gap in sides if width > 0.0]
+    needed = trials * max(ratios, default=math.inf) ** 2
+    return Judgement(verdict, trials, max(trials + 1, math.ceil(needed)) if needed <= MOST else None)
+
+
+def every(*judgements: Judgement) -> Judgement:
+    """That all hold: one that differs decides, else the one that needs the most trials to be told."""
+    for judgement in judgements:
+        if judgement.verdict is Verdict.DIFFERS:
+            return judgement
+    untold = [judgement for judgement in judgements if judgement.verdict is Verdict.UNTOLD]
+    return max(untold or judgements, key=lambda judgement: judgement.needed or MOST)
+
+
+def _placed(interval: Interval, low: float, high: float) -> Verdict:
+    if low <= interval[0] and interval[1] <= high:
+        return Verdict.AGREES
+    return Verdict.DIFFERS if interval[1] < low or interval[0] > high else Verdict.UNTOLD

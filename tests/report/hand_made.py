@@ -1,0 +1,79 @@
+"""Evidence made by hand: trials of the chapter's experiments that ended as a test says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from graspdsl.compiler.program import Program, program_of
+from graspdsl.report.evidence import Course, Evidence
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.store import Manifest, RunFolder
+
+SPECS = Path(__file__).parents[2] / "specs" / "experiments"
+FALL = (1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class HandMade:
+    """A trial: orientations [rad], residuals at the end, ticks to converge, courses of the residuals, contact."""
+
+    end: float = math.pi / 2
+    start: float = 1.0
+    force: float = 0.02
+    moment: float = 0.002  # m
+    ticks: int | None = 200
+    forces: Sequence[float] = FALL
+    moments: Sequence[float] = FALL
+    touching: bool = True
+
+
+def evidence(experiment: int, trials: Sequence[HandMade]) -> Evidence:
+    """A run of an experiment of the chapter, by its number, with these trials."""
+    program = _program(experiment)
+    manifest = Manifest("by-hand", "spec.yaml", (), 1, len(trials), {"graspdsl": "0"})
+    records = tuple(_record(number, trial) for number, trial in enumerate(trials))
+    courses = {number: _course(trial) for number, trial in enumerate(trials)}
+    return Evidence(RunFolder(Path("by-hand"), manifest), program, records, courses)
+
+
+@cache
+def _program(experiment: int) -> Program:
+    [spec] = SPECS.glob(f"{experiment}_*.yaml")
+    return program_of(spec.read_text("utf-8"), spec.name)
+
+
+def _course(trial: HandMade) -> Course:
+    force, moment = np.array(trial.forces, dtype=float), np.array(trial.moments, dtype=float)
+    return Course(np.arange(len(force)) / 50.0, force, moment, trial.touching)
+
+
+def _record(number: int, trial: HandMade) -> TrialRecord:
+    nothing = {name: math.nan for name, kind in TrialRecord.__annotations__.items() if kind == "float"}
+    made = {
+        "number": number,
+        "identity": "x",
+        "outcome": Outcome.TIMEOUT if trial.ticks is None else Outcome.CONVERGED,
+        "detail": "",
+        "start": {},
+        "redraws": 0,
+        "orientation_start": trial.start,
+        "orientation_end": trial.end,
+        "force_residual_end": trial.force,
+        "moment_residual_end": trial.moment,
+        "contact_forces": (0.5, 0.5, 0.5),
+        "ticks": len(trial.forces),
+        "ticks_to_converge": trial.ticks,
+        "samples": len(trial.forces),
+        "leaking_ticks": 0,
+        "point_error": (math.nan, math.nan),
+        "normal_error": (math.nan, math.nan),
+        "world_s": 1.0,
+    }
+    return TrialRecord(**{**nothing, **made})
