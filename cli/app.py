@@ -232,12 +232,9 @@ def experiments(
 ) -> None:
     """Run the chapter's experiments and say, point by point, what agrees with the chapter."""
     with answering(as_json):
-        overrides = list(settings)
-        overrides += [f"trials.count={trials}"] if trials is not None else []
-        overrides += [f"trials.seed={seed}"] if seed is not None else []
-        from graspdsl.cli.experimenting import run_experiments
+        from graspdsl.cli.experimenting import Asked, run_experiments
 
-        code = run_experiments(specs, tuple(overrides), workers, out, as_json)
+        code = run_experiments(Asked(tuple(specs), tuple(settings), trials, seed, workers, out, as_json))
     raise typer.Exit(code)
 
 

@@ -110,7 +110,7 @@ def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
 
 def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
-    code = carried_on(folder, workers, "map")
+    code = carried_on(folder, workers, ["map", "--resume", str(folder.path)])
     if code == 0:
         with reading(str(folder.path)):
             made = map_of_run(folder)

@@ -12,6 +12,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.report.bands import mean_course
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.experiment_setups import departure
 from graspdsl.report.statistics import RIGHT_ANGLE, modes, wilson
 from graspdsl.report.summary import numbers_of
 from graspdsl.report.wording import NOTHING, millimetres, number, percent, percents
@@ -36,9 +37,9 @@ class Claim:
 
 
 def claims_of(evidence: Evidence) -> list[Claim]:
-    """The claims of the experiment that a run is of, by the name of its spec; none for a run of something else."""
+    """The claims of the experiment that a run is of; none for a run of something else, whatever its name."""
     made = EXPERIMENTS.get(evidence.program.spec.name)
-    return [] if made is None else list(made(_Run(evidence)))
+    return [] if made is None or departure(evidence.program) else list(made(_Run(evidence)))
 
 
 class _Run:
