@@ -122,7 +122,9 @@ def map_(
             "the object's centre, that one contact starts in.",
         ),
     ] = None,
-    grid: Annotated[str, typer.Option(metavar="COLUMNSxROWS", help="How many cells across and up.")] = "40x40",
+    grid: Annotated[
+        str | None, typer.Option(metavar="COLUMNSxROWS", help="How many cells across and up; by default 40x40.")
+    ] = None,
     contact: Annotated[str | None, typer.Option(help="Which floating contact; by default the grasp's first.")] = None,
     seed: Seed = None,
     workers: Workers = None,
@@ -135,16 +137,16 @@ def map_(
 ) -> None:
     """Map the domain of attraction: which starts end in which mode or outcome."""
     with answering(as_json):
-        from graspdsl.cli.mapping import make_map, resume_map, wanted_axes
+        from graspdsl.cli.mapping import USUAL_GRID, make_map, resume_map, wanted_axes
 
         if resume is not None:
-            if any(value is not None for value in (spec, over, contact, seed, out)) or settings:
+            if any(value is not None for value in (spec, over, grid, contact, seed, out)) or settings:
                 raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
             code = resume_map(resume, workers, as_json)
         elif spec is None or over is None:
             raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
         else:
-            axes = wanted_axes(over, grid)
+            axes = wanted_axes(over, USUAL_GRID if grid is None else grid)
             overrides = [*settings, *([f"trials.seed={seed}"] if seed is not None else [])]
             code = make_map(spec, axes, tuple(overrides), contact=contact, workers=workers, out=out, as_json=as_json)
     raise typer.Exit(code)

@@ -12,7 +12,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading, sound
-from graspdsl.cli.messages import printable, result, result_json, say
+from graspdsl.cli.messages import INTERRUPTED, printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program, program_of
@@ -28,7 +28,9 @@ from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 
 MOST_CELLS, MOST_ALONG = 100_000, 1000
 _AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")
-_GRID = re.compile(r"(\d{1,9})[x×](\d{1,9})")
+_GRID = re.compile(r"([0-9]{1,9})[x×]([0-9]{1,9})")
+_DECIMAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+USUAL_GRID = "40x40"
 
 
 def wanted_axes(over: str, grid: str) -> list[WantedAxis]:
@@ -57,10 +59,7 @@ def _wanted(part: str, cells: int) -> WantedAxis:
     name = found["name"].strip()
     if found["low"] is None:
         return WantedAxis(name, None, cells)
-    try:
-        low, high = float(found["low"]), float(found["high"])
-    except ValueError:
-        low = high = math.nan
+    low, high = (_number(found[end]) for end in ("low", "high"))
     if not (math.isfinite(low) and math.isfinite(high)):
         message = f"expected two numbers, found {found['low']}:{found['high']}"
         raise typer.BadParameter(message, param_hint="--over")
@@ -68,6 +67,11 @@ def _wanted(part: str, cells: int) -> WantedAxis:
         message = f"the low end {low:g} of {name} is not below the high end {high:g}"
         raise typer.BadParameter(message, param_hint="--over")
     return WantedAxis(name, (low, high), cells)
+
+
+def _number(text: str) -> float:
+    """A decimal number in ASCII; NaN for anything else."""
+    return float(text) if _DECIMAL.fullmatch(text.strip()) else math.nan
 
 
 def make_map(
@@ -83,8 +87,12 @@ def make_map(
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
     program, source = sound(spec, settings)
     if program.world.floats:
-        with reading(str(spec), source):
-            cells = _floating(program, axes, contact)
+        try:
+            with reading(str(spec), source):
+                cells = _floating(program, axes, contact)
+        except KeyboardInterrupt:
+            say("interrupted; nothing is kept of a map of floating contacts, which is made in one go: begin it again")
+            return INTERRUPTED
         folder = _place(out, program.spec.name, source)
         seed = program.spec.trials.seed
         made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))

@@ -95,6 +95,9 @@ def test_a_map_of_floating_contacts(tmp_path: Path) -> None:
         (("--over", "roll=a:b,height"), "two numbers"),
         (("--over", "roll=nan:1,height"), "two numbers"),
         (("--over", "roll=1,height"), "NAME=LOW:HIGH"),
+        (("--over", "roll=٠:١,height"), "two numbers"),
+        (("--over", "roll=1_0:2_0,height"), "two numbers"),
+        (("--over", "roll,height", "--grid", "٤x٤"), "COLUMNSxROWS"),
         ((), "--over"),
         (("--over", "roll,height", "--resume", "x"), "keeps all"),
     ],
@@ -103,6 +106,32 @@ def test_wrong_use_says_what_is_right(words: tuple[str, ...], said: str, tmp_pat
     done = graspdsl("map", SPEC, *words, cwd=tmp_path, env={"COLUMNS": "200"})
     assert done.returncode == 2
     assert said in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(("--grid", "5x5"), ("--grid", "40x40"), ("--seed", "3"), ("--contact", "point-1"), ("--out", "y")),
+        *(("--over", "roll,height"), ("--set", "scene.friction=0.5")),
+    ],
+)
+def test_a_resumed_map_takes_nothing_that_it_would_ignore(words: tuple[str, ...], tmp_path: Path) -> None:
+    done = graspdsl("map", "--resume", "x", *words, cwd=tmp_path, env={"COLUMNS": "200"})
+    assert (done.returncode, "keeps all that it was begun with" in done.stderr) == (2, True)
+
+
+def test_an_interrupted_map_of_floating_contacts_says_that_nothing_is_kept(tmp_path: Path) -> None:
+    words = [str(PROGRAM), "map", str(FLOATING), "--over", "azimuth,polar", "--grid", "300x300", "--out", "m"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8") as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if "cells, seed" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        _, rest = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert rest.splitlines()[-1].startswith("interrupted; nothing is kept of a map of floating contacts")
     assert list(tmp_path.iterdir()) == []
 
 
