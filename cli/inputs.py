@@ -20,6 +20,13 @@ if TYPE_CHECKING:
 HAND_FILE = re.compile(r"(?:\s*(?:#[^\n]*)?\n)*hand\s*:")
 
 
+def named(text: str) -> Path:
+    """The file or folder of a name on the command line. An empty one, which would be the working directory, is none."""
+    if not text:
+        raise typer.BadParameter("the name is empty")
+    return Path(text)
+
+
 class InputError(Exception):
     """An input that a command cannot go on with: its name, its text as far as there is one, what is wrong with it."""
 
@@ -41,12 +48,13 @@ def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | Non
     """The program of a spec file if it is sound, its text, and every complaint about it."""
     from graspdsl.compiler.program import examine
     from graspdsl.spec.files import read_text
+    from graspdsl.spec.named_files import folder_of_files
 
     try:
         source = read_text(path)
     except DiagnosticError as error:
         return None, "", error.diagnostics
-    examination = examine(source, path.name, overrides, path.parent)
+    examination = examine(source, path.name, overrides, folder_of_files(path))
     return examination.program, source, examination.diagnostics
 
 

@@ -20,6 +20,7 @@ from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, m
 from graspdsl.report.map_files import FILES, write_map
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare
+from graspdsl.spec.named_files import COPIES, folder_of_files
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
@@ -93,7 +94,7 @@ def make_map(
         except KeyboardInterrupt:
             say("interrupted; nothing is kept of a map of floating contacts, which is made in one go: begin it again")
             return INTERRUPTED
-        folder = _place(out, program.spec.name, source)
+        folder = _place(out, program, source)
         seed = program.spec.trials.seed
         made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
         show_map(made, folder, as_json)
@@ -102,7 +103,7 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        program = program_of(source, spec.name, whole, spec.parent)
+        program = program_of(source, spec.name, whole, folder_of_files(spec))
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
     return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)
@@ -126,10 +127,12 @@ def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     return code
 
 
-def _place(out: Path | None, name: str, source: str) -> Path:
+def _place(out: Path | None, program: Program, source: str) -> Path:
+    """A folder with the spec of a map, and copies of the files that it names."""
+    copies = {f"{COPIES}/{file.kept_as.as_posix()}": file.content for file in program.files}
     with reading(str(out or RUNS)):
-        folder = out or fresh_folder(RUNS, f"{name}-map")
-        prepare(folder, {SPEC: source})
+        folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
+        prepare(folder, {SPEC: source, **copies})
         return folder
 
 

@@ -22,9 +22,10 @@ def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:
 
 
 def write(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder. Raises DiagnosticError where it cannot."""
+    """Write files into a folder and its folders. Raises DiagnosticError where it cannot."""
     try:
         for name, content in files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
     except OSError as error:
         raise _unwritable(error) from error

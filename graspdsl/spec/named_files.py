@@ -12,6 +12,8 @@ from pathlib import Path
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 
 LARGEST = 64 * 1024 * 1024  # bytes
+RUN_MANIFEST, MAP_DATA = "run.json", "map.json"  # one of them is in the folder of a run or a map
+COPIES = "files"  # of what its spec names, there
 KEPT = "absolute-paths"  # where a run keeps its copies of files that a spec names by absolute paths
 
 
@@ -82,6 +84,13 @@ class SpecFolder:
             message = f"{name} leads out of the folder of the spec"
             raise refusal("outside-of-folder", message, "move the file beside the spec, or write its absolute path")
         return place
+
+
+def folder_of_files(spec: Path) -> Path:
+    """Where the files are that a spec names by relative paths: beside it; of the spec of a run or map, the copies."""
+    copies = spec.parent / COPIES
+    kept = copies.is_dir() and any((spec.parent / name).is_file() for name in (RUN_MANIFEST, MAP_DATA))
+    return copies if kept else spec.parent
 
 
 def digest_of(files: Sequence[NamedFile]) -> str:

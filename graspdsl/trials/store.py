@@ -21,12 +21,12 @@ from pydantic import TypeAdapter
 from graspdsl.arrays import Float32Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.spec.files import read_text
-from graspdsl.spec.named_files import NamedFile
+from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 
-MANIFEST, SPEC, TABLE, TRAJECTORIES = "run.json", "spec.yaml", "trials.sqlite", "trajectories"
-FILES = "files"  # copies of those that the spec names
+MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
+FILES = COPIES  # of those that the spec names
 _FIELDS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
 _PAIRS = ("contact_forces", "point_error", "normal_error")
