@@ -77,7 +77,11 @@ def run_experiments(asked: Asked) -> int:
         _known(experiment)
     _told_apart(chosen)
     if asked.out is not None:
-        _free_for(asked.out, chosen, asked.overrides)
+        try:
+            _free_for(asked.out, chosen, asked.overrides)
+        except OSError as error:
+            message = f"cannot look into this folder: {(error.strerror or 'unknown reason').lower()}"
+            raise InputError(str(asked.out), "", [Diagnostic("folder-not-readable", message, hint=ANOTHER)]) from None
     with reading(str(asked.out or RUNS)):
         whole = asked.out or fresh_folder(RUNS, "experiments")
     claims: list[Claim] = []

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ SPEC = ROOT / "specs" / "towel_roll_two_contacts.yaml"
 PROGRAM = Path(sys.executable).with_name("graspdsl")
 TRIALS = 3
 
+Stop = Callable[[subprocess.Popen[str]], None]
+
 
 def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
     """What the program answers, and its exit code."""
@@ -24,6 +27,28 @@ def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -
     return subprocess.run(
         command, cwd=cwd, env=surroundings, capture_output=True, encoding="utf-8", timeout=120, check=False
     )
+
+
+def stopped(*words: str | Path, cwd: Path, after: str, stop: Stop) -> subprocess.CompletedProcess[str]:
+    """What the program answers when it is stopped once it has said a line with some text on stderr."""
+    command = [str(PROGRAM), *map(str, words)]
+    with subprocess.Popen(
+        command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", start_new_session=True
+    ) as process:
+        assert process.stderr is not None
+        before = ""
+        while after not in before:
+            line = process.stderr.readline()
+            assert line, before
+            before += line
+        stop(process)
+        out, rest = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(command, process.returncode, out, rest)
+
+
+def interrupt(process: subprocess.Popen[str]) -> None:
+    """Ctrl-C, to the program alone."""
+    process.send_signal(signal.SIGINT)
 
 
 def numbers(document: dict[str, Any]) -> list[dict[str, Any]]:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import signal
 import sqlite3
-import subprocess
 from contextlib import closing
 from pathlib import Path
 
@@ -16,7 +14,7 @@ from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
 
-from .program import PROGRAM, ROOT, codes, graspdsl
+from .program import ROOT, codes, graspdsl, interrupt, stopped
 
 SPECS = ROOT / "specs" / "experiments"
 SPEC = SPECS / "4_detergent_bottle.yaml"
@@ -170,20 +168,19 @@ def test_runs_of_other_versions_and_other_things_are_found_too(copied: Path) -> 
         assert not (Path(out) / "experiment-3").exists()
 
 
+def test_no_folder_for_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").touch()
+    for out, code in (("x" * 300, "folder-not-readable"), ("file", "folder-not-writable")):
+        exit_code, messages = asked(SPEC, *QUICK, "--out", out)
+        assert (exit_code, messages.count(f"error[{code}]")) == (1, 1)
+
+
 def test_the_command_that_goes_on_is_the_one_that_was_given(ended: Path, tmp_path: Path) -> None:
     words = ["experiments", str(SPEC), *QUICK, "--out", "the folder", "--json"]
-    process = subprocess.Popen(
-        [PROGRAM, *words], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
-    )
-    with process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if " 1/2 " in line:
-                break
-        process.send_signal(signal.SIGINT)
-        out, rest = process.communicate(timeout=60)
-    assert (process.returncode, out) == (130, "")
-    command = shlex.split(rest.splitlines()[-1])
+    begun = stopped(*words, cwd=tmp_path, after=" 1/2 ", stop=interrupt)
+    assert (begun.returncode, begun.stdout) == (130, "")
+    command = shlex.split(begun.stderr.splitlines()[-1])
     assert command[0] == "graspdsl"
     assert sorted(command[1:]) == sorted(words)
     done = graspdsl(*command[1:], cwd=tmp_path)

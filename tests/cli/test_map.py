@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from cli.program import PROGRAM, SPEC, graspdsl
+from cli.program import SPEC, graspdsl, interrupt, stopped
 
 FLOATING = SPEC.parent / "compare" / "moment_subject_to_force.yaml"
 SHORT = ("--set", "program.1.limit=1.0")  # s: enough to tell the classes of the cells apart
@@ -49,17 +47,10 @@ def test_a_map_of_a_hand_does_not_depend_on_workers(tmp_path: Path) -> None:
 
 def test_an_interrupted_map_goes_on(tmp_path: Path) -> None:
     """What was finished is kept; the line that is printed finishes the map."""
-    words = [str(PROGRAM), "map", str(SPEC), "--over", "roll,height", "--grid", "2x2", *SHORT]
-    words += ["--workers", "1", "--out", "m"]
-    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8") as process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if "1/4" in line:
-                break
-        process.send_signal(signal.SIGINT)
-        _, rest = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "graspdsl map --resume m" in rest
+    words = ("map", SPEC, "--over", "roll,height", "--grid", "2x2", *SHORT, "--workers", "1", "--out", "m")
+    begun = stopped(*words, cwd=tmp_path, after="1/4", stop=interrupt)
+    assert begun.returncode == 130
+    assert "graspdsl map --resume m" in begun.stderr
     assert not (tmp_path / "m" / "map.json").exists()
     done = graspdsl("map", "--resume", "m", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -122,16 +113,10 @@ def test_a_resumed_map_takes_nothing_that_it_would_ignore(words: tuple[str, ...]
 
 
 def test_an_interrupted_map_of_floating_contacts_says_that_nothing_is_kept(tmp_path: Path) -> None:
-    words = [str(PROGRAM), "map", str(FLOATING), "--over", "azimuth,polar", "--grid", "300x300", "--out", "m"]
-    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8") as process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if "cells, seed" in line:
-                break
-        process.send_signal(signal.SIGINT)
-        _, rest = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert rest.splitlines()[-1].startswith("interrupted; nothing is kept of a map of floating contacts")
+    words = ("map", FLOATING, "--over", "azimuth,polar", "--grid", "300x300", "--out", "m")
+    begun = stopped(*words, cwd=tmp_path, after="cells, seed", stop=interrupt)
+    assert begun.returncode == 130
+    assert begun.stderr.splitlines()[-1].startswith("interrupted; nothing is kept of a map of floating contacts")
     assert list(tmp_path.iterdir()) == []
 
 
