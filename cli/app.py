@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from graspdsl.cli.inputs import answering, judged, sound
+from graspdsl.cli.inputs import answering, judged, named, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
 from graspdsl.cli.words import Commands
 from graspdsl.diagnostics import has_errors
@@ -34,8 +34,10 @@ Seed = Annotated[int | None, typer.Option(min=0, max=LARGEST_SEED, help="The see
 Workers = Annotated[
     int | None, typer.Option(min=1, max=MOST_WORKERS, help="How many processes; the numbers do not depend on it.")
 ]
-Out = Annotated[Path | None, typer.Option(metavar="DIR", help="The run's folder; by default a new one in runs/.")]
-Resume = Annotated[Path | None, typer.Option(metavar="DIR", help="Finish the run in this folder.")]
+Out = Annotated[
+    Path | None, typer.Option(parser=named, metavar="DIR", help="The run's folder; by default a new one in runs/.")
+]
+Resume = Annotated[Path | None, typer.Option(parser=named, metavar="DIR", help="Finish the run in this folder.")]
 Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
 
 
@@ -58,7 +60,7 @@ def _graspdsl(
 
 @app.command()
 def validate(
-    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Spec files or hand files (YAML).")],
+    specs: Annotated[list[Path], typer.Argument(parser=named, metavar="SPEC", help="Spec files or hand files (YAML).")],
     as_json: AsJson = False,
 ) -> None:
     """Check specs and hand files: every fault, with its place and a way out."""
@@ -80,7 +82,7 @@ def validate(
 
 @app.command()
 def run(
-    spec: Annotated[Path | None, typer.Argument(metavar="SPEC", help="A spec file (YAML).")] = None,
+    spec: Annotated[Path | None, typer.Argument(parser=named, metavar="SPEC", help="A spec file (YAML).")] = None,
     trials: Trials = None,
     seed: Seed = None,
     workers: Workers = None,
@@ -114,7 +116,7 @@ def run(
 
 @app.command(name="map")
 def map_(
-    spec: Annotated[Path | None, typer.Argument(metavar="SPEC", help="A spec file (YAML).")] = None,
+    spec: Annotated[Path | None, typer.Argument(parser=named, metavar="SPEC", help="A spec file (YAML).")] = None,
     over: Annotated[
         str | None,
         typer.Option(
@@ -124,29 +126,33 @@ def map_(
             "the object's centre, that one contact starts in.",
         ),
     ] = None,
-    grid: Annotated[str, typer.Option(metavar="COLUMNSxROWS", help="How many cells across and up.")] = "40x40",
+    grid: Annotated[
+        str | None, typer.Option(metavar="COLUMNSxROWS", help="How many cells across and up; by default 40x40.")
+    ] = None,
     contact: Annotated[str | None, typer.Option(help="Which floating contact; by default the grasp's first.")] = None,
     seed: Seed = None,
     workers: Workers = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="The map's folder; by default a new one in runs/.")
+        Path | None, typer.Option(parser=named, metavar="DIR", help="The map's folder; by default a new one in runs/.")
     ] = None,
-    resume: Annotated[Path | None, typer.Option(metavar="DIR", help="Finish the map in this folder.")] = None,
+    resume: Annotated[
+        Path | None, typer.Option(parser=named, metavar="DIR", help="Finish the map in this folder.")
+    ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
 ) -> None:
     """Map the domain of attraction: which starts end in which mode or outcome."""
     with answering(as_json):
-        from graspdsl.cli.mapping import make_map, resume_map, wanted_axes
+        from graspdsl.cli.mapping import USUAL_GRID, make_map, resume_map, wanted_axes
 
         if resume is not None:
-            if any(value is not None for value in (spec, over, contact, seed, out)) or settings:
+            if any(value is not None for value in (spec, over, grid, contact, seed, out)) or settings:
                 raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
             code = resume_map(resume, workers, as_json)
         elif spec is None or over is None:
             raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
         else:
-            axes = wanted_axes(over, grid)
+            axes = wanted_axes(over, USUAL_GRID if grid is None else grid)
             overrides = [*settings, *([f"trials.seed={seed}"] if seed is not None else [])]
             code = make_map(spec, axes, tuple(overrides), contact=contact, workers=workers, out=out, as_json=as_json)
     raise typer.Exit(code)
@@ -192,7 +198,8 @@ def explain(
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")], as_json: AsJson = False
+    folder: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    as_json: AsJson = False,
 ) -> None:
     """Summarise a run, finished or not, and write its page and figures anew."""
     with answering(as_json):
@@ -204,10 +211,11 @@ def report(
 @app.command()
 def compare(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="RUN RUN", help="Folders of runs; the first is the measure.")
+        list[Path], typer.Argument(parser=named, metavar="RUN RUN", help="Folders of runs; the first is the measure.")
     ],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="The comparison's folder; by default a new one in runs/.")
+        Path | None,
+        typer.Option(parser=named, metavar="DIR", help="The comparison's folder; by default a new one in runs/."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -222,47 +230,59 @@ def compare(
 
 @app.command()
 def experiments(
-    specs: Annotated[list[Path], typer.Argument(metavar="SPEC", help="Specs of the chapter's experiments.")],
+    specs: Annotated[
+        list[Path], typer.Argument(parser=named, metavar="SPEC", help="Specs of the chapter's experiments.")
+    ],
     trials: Trials = None,
     seed: Seed = None,
     workers: Workers = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Where the runs go; one begun there before goes on.")
+        Path | None,
+        typer.Option(parser=named, metavar="DIR", help="Where the runs go; one begun there before goes on."),
     ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
 ) -> None:
     """Run the chapter's experiments and say, point by point, what agrees with the chapter."""
     with answering(as_json):
-        overrides = list(settings)
-        overrides += [f"trials.count={trials}"] if trials is not None else []
-        overrides += [f"trials.seed={seed}"] if seed is not None else []
-        from graspdsl.cli.experimenting import run_experiments
+        from graspdsl.cli.experimenting import Asked, run_experiments
 
-        code = run_experiments(specs, tuple(overrides), workers, out, as_json)
+        code = run_experiments(Asked(tuple(specs), tuple(settings), trials, seed, workers, out, as_json))
     raise typer.Exit(code)
 
 
 @app.command()
 def view(
-    run: Annotated[Path | None, typer.Argument(metavar="RUN", help="The folder of a run.")] = None,
-    trial: Annotated[int, typer.Option(min=0, help="Which trial of it.")] = 0,
+    run: Annotated[Path | None, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")] = None,
+    trial: Annotated[int | None, typer.Option(min=0, help="Which trial of it; by default 0.")] = None,
     thing: Annotated[str | None, typer.Option("--object", metavar="NAME", help="An object of the catalogue.")] = None,
-    hand: Annotated[str | None, typer.Option(metavar="NAME", help="A hand of the catalogue.")] = None,
-    images: Annotated[Path | None, typer.Option(metavar="DIR", help="Write pictures (PNG) into this folder.")] = None,
-    video: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a film (.mp4) of the trial.")] = None,
-    frames: Annotated[int, typer.Option(min=1, max=1000, help="How many pictures of a trial.")] = 6,
+    hand: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="A hand of the catalogue, or a hand file (YAML).")
+    ] = None,
+    images: Annotated[
+        Path | None, typer.Option(parser=named, metavar="DIR", help="Write pictures (PNG) into this folder.")
+    ] = None,
+    video: Annotated[
+        Path | None, typer.Option(parser=named, metavar="FILE", help="Write a film (.mp4) of the trial.")
+    ] = None,
+    frames: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="How many pictures of a trial; by default 6.")
+    ] = None,
 ) -> None:
     """Look at a trial, an object or a hand: in a window, as pictures or as a film."""
     if sum(chosen is not None for chosen in (run, thing, hand)) != 1:
         raise typer.BadParameter("give one of RUN, --object and --hand", param_hint="RUN")
     if run is None and video is not None:
         raise typer.BadParameter("only a trial can be filmed", param_hint="--video")
+    if run is None and trial is not None:
+        raise typer.BadParameter("only a RUN has trials", param_hint="--trial")
+    if frames is not None and (run is None or images is None):
+        raise typer.BadParameter("only pictures of a trial are counted: RUN with --images", param_hint="--frames")
     with answering():
         from graspdsl.cli import viewing
 
         if run is not None:
-            viewing.view_trial(run, trial, images, video, frames)
+            viewing.view_trial(run, trial or 0, images, video, viewing.PICTURES if frames is None else frames)
         elif thing is not None:
             viewing.view_object(thing, images)
         else:

@@ -2,48 +2,94 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.text import Text
 
 from graspdsl.cli.inputs import InputError, reading, sound
 from graspdsl.cli.messages import result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, go_on, page_of
+from graspdsl.cli.running import RUNS, begin, carried_on, opened, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
 from graspdsl.report.claim_words import MARKS
 from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
+from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
+from graspdsl.spec.document import parse_document
+from graspdsl.trials.runner import pending, program_of_run
 from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder
 
+ANOTHER = "name another folder with --out"
 
-def run_experiments(
-    specs: Sequence[Path], overrides: tuple[str, ...], workers: int | None, out: Path | None, as_json: bool
-) -> int:
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What was asked for on the command line."""
+
+    specs: tuple[Path, ...]
+    settings: tuple[str, ...] = ()
+    trials: int | None = None
+    seed: int | None = None
+    workers: int | None = None
+    out: Path | None = None
+    as_json: bool = False
+
+    @property
+    def overrides(self) -> tuple[str, ...]:
+        """The settings with those that have an option of their own."""
+        named = (("trials.count", self.trials), ("trials.seed", self.seed))
+        return (*self.settings, *(f"{path}={value}" for path, value in named if value is not None))
+
+    def words(self, out: Path) -> list[str]:
+        """The command that goes on with the runs in a folder."""
+        options = (("--trials", self.trials), ("--seed", self.seed), ("--workers", self.workers))
+        words = ["experiments", *map(str, self.specs)]
+        words += [word for name, value in options if value is not None for word in (name, str(value))]
+        words += [word for setting in self.settings for word in ("--set", setting)]
+        return [*words, "--out", str(out), *(["--json"] if self.as_json else [])]
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """A spec of an experiment, checked."""
+
+    spec: Path
+    program: Program
+    text: str
+
+    @property
+    def name(self) -> str:
+        """The experiment's name, and its folder's."""
+        return self.program.spec.name
+
+
+def run_experiments(asked: Asked) -> int:
     """Run the specs one after the other, each into a folder of its own, and say which claims agree.
 
-    Returns the exit code. Every spec is checked before the first one runs.
+    Returns the exit code. Every spec, and every run begun before, is checked before the first one runs.
     """
-    programs = [(spec, *sound(spec, overrides)) for spec in specs]
-    for spec, program, text in programs:
-        if program.spec.name not in EXPERIMENTS:
-            message = f"there are no claims about {program.spec.name!r}"
-            hint = f"known experiments: {', '.join(EXPERIMENTS)}"
-            raise InputError(str(spec), text, [Diagnostic("unknown-experiment", message, hint=hint)])
-    _told_apart(programs)
-    if out is not None and (out / MANIFEST).exists():
-        message, hint = "this folder holds a run", "name another folder for the experiments"
-        raise InputError(str(out), "", [Diagnostic("folder-not-empty", message, hint=hint)])
-    with reading(str(out or RUNS)):
-        whole = out or fresh_folder(RUNS, "experiments")
+    chosen = [Experiment(spec, *sound(spec, asked.overrides)) for spec in asked.specs]
+    for experiment in chosen:
+        _known(experiment)
+    _told_apart(chosen)
+    if asked.out is not None:
+        try:
+            _free_for(asked.out, chosen, asked.overrides)
+        except OSError as error:
+            message = f"cannot look into this folder: {(error.strerror or 'unknown reason').lower()}"
+            raise InputError(str(asked.out), "", [Diagnostic("folder-not-readable", message, hint=ANOTHER)]) from None
+    with reading(str(asked.out or RUNS)):
+        whole = asked.out or fresh_folder(RUNS, "experiments")
     claims: list[Claim] = []
     reports: dict[str, str] = {}
-    for spec, program, text in programs:
-        folder = _begun(program, text, spec, overrides, whole / program.spec.name)
-        code = carried_on(folder, workers, "run")
+    for experiment in chosen:
+        folder = _begun(experiment, asked.overrides, whole / experiment.name)
+        code = carried_on(folder, asked.workers, asked.words(whole))
         if code != 0:
             return code
         with reading(str(folder.path)):
@@ -51,10 +97,10 @@ def run_experiments(
             found = claims_of(evidence)
             page = page_of(evidence)
         claims += found
-        reports[program.spec.name] = page.relative_to(whole).as_posix()
+        reports[experiment.name] = page.relative_to(whole).as_posix()
     with reading(str(whole)):
         page = write_experiments(whole, claims, reports)
-    if as_json:
+    if asked.as_json:
         result_json({"run": str(whole), "claims": as_data(claims)})
     else:
         result(_text(claims))
@@ -62,25 +108,84 @@ def run_experiments(
     return 0
 
 
-def _told_apart(programs: Sequence[tuple[Path, Program, str]]) -> None:
+def _known(experiment: Experiment) -> None:
+    """There must be claims about a spec: its name must be that of an experiment, and it must be that experiment."""
+    if experiment.name not in EXPERIMENTS:
+        code, message = "unknown-experiment", f"there are no claims about {experiment.name!r}"
+        hint = f"known experiments: {', '.join(EXPERIMENTS)}"
+    elif differs := departure(experiment.program):
+        code, message = (
+            "other-experiment",
+            f"this is not the chapter's {experiment.name}, so it has no claims: {differs}",
+        )
+        hint = "give it another name and use 'graspdsl run', or run the experiment as the chapter has it"
+    else:
+        return
+    raise InputError(str(experiment.spec), experiment.text, [Diagnostic(code, message, _named_at(experiment), hint)])
+
+
+def _named_at(experiment: Experiment) -> Span | None:
+    """Where in its file a spec has its name, unless that was given on the command line."""
+    document = parse_document(experiment.text, experiment.spec.name)
+    return document.span(("name",)) if document.data.get("name") == experiment.name else None
+
+
+def _told_apart(chosen: Sequence[Experiment]) -> None:
     """Each experiment may be given once, since its runs have a folder of its name."""
-    names: set[str] = set()
-    for spec, program, text in programs:
-        if program.spec.name in names:
-            message = f"{program.spec.name} is given twice"
-            raise InputError(str(spec), text, [Diagnostic("experiment-twice", message, hint="leave one out")])
-        names.add(program.spec.name)
+    before: dict[str, Experiment] = {}
+    for experiment in chosen:
+        first = before.setdefault(experiment.name, experiment)
+        if first is experiment:
+            continue
+        if first.spec.resolve() == experiment.spec.resolve():
+            code, message, hint = "experiment-twice", "this spec is given twice", "leave one out"
+        else:
+            span = _named_at(first)
+            where = f"{first.spec}, line {span.line}," if span else str(first.spec)
+            code, message = "same-name", f"this spec and {where} share the name {experiment.name}"
+            hint = "leave one out, or run them one after the other into folders of their own"
+        raise InputError(
+            str(experiment.spec), experiment.text, [Diagnostic(code, message, _named_at(experiment), hint)]
+        )
 
 
-def _begun(program: Program, text: str, spec: Path, overrides: tuple[str, ...], place: Path) -> RunFolder:
+def _free_for(out: Path, chosen: Sequence[Experiment], overrides: tuple[str, ...]) -> None:
+    """Every run that is already in the folder must be one that this command began."""
+    if (out / MANIFEST).exists():
+        message = "this folder holds a run"
+        raise InputError(str(out), "", [Diagnostic("folder-not-empty", message, hint=ANOTHER)])
+    for experiment in chosen:
+        place = out / experiment.name
+        if (place / MANIFEST).exists():
+            _goes_on(experiment, overrides, place)
+        elif place.exists() and (not place.is_dir() or any(place.iterdir())):
+            message = "there is something here, but no run that could go on"
+            raise InputError(str(place), "", [Diagnostic("folder-not-empty", message, hint=ANOTHER)])
+
+
+def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> None:
+    """A run that was begun before must have been begun in the same way."""
+    folder = opened(place)
+    if folder.spec_text != experiment.text:
+        message = f"this run was begun from another spec than {experiment.spec}"
+    elif folder.manifest.overrides != overrides:
+        said = shlex.join(word for setting in folder.manifest.overrides for word in ("--set", setting))
+        message = f"this run was begun with other settings: {said or 'none'}"
+    else:
+        try:
+            pending(folder, program_of_run(folder))
+        except DiagnosticError as error:
+            faults = [replace(fault, hint=ANOTHER) for fault in error.diagnostics]
+            raise InputError(str(place), "", faults) from None
+        return
+    raise InputError(str(place), "", [Diagnostic("run-differs", message, hint=ANOTHER)])
+
+
+def _begun(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> RunFolder:
     """A new run of an experiment, or the one that was begun here before."""
-    if not (place / MANIFEST).exists():
-        return begin(program, text, str(spec), overrides, place)
-    folder = go_on(place, spec)
-    if folder.manifest.overrides != overrides:
-        message, hint = "this run was begun with other settings", "name another folder, or give the same settings"
-        raise InputError(str(place), "", [Diagnostic("run-differs", message, hint=hint)])
-    return folder
+    if (place / MANIFEST).exists():
+        return opened(place)
+    return begin(experiment.program, experiment.text, experiment.spec.name, overrides, place)
 
 
 def _text(claims: Sequence[Claim]) -> str:

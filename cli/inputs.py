@@ -20,6 +20,13 @@ if TYPE_CHECKING:
 HAND_FILE = re.compile(r"(?:\s*(?:#[^\n]*)?\n)*hand\s*:")
 
 
+def named(text: str) -> Path:
+    """The file or folder of a name on the command line. An empty one, which would be the working directory, is none."""
+    if not text:
+        raise typer.BadParameter("the name is empty")
+    return Path(text)
+
+
 class InputError(Exception):
     """An input that a command cannot go on with: its name, its text as far as there is one, what is wrong with it."""
 

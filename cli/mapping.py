@@ -12,7 +12,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading, sound
-from graspdsl.cli.messages import printable, result, result_json, say
+from graspdsl.cli.messages import INTERRUPTED, printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program, program_of
@@ -20,7 +20,7 @@ from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, m
 from graspdsl.report.map_files import FILES, write_map
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare
-from graspdsl.spec.named_files import folder_of_files
+from graspdsl.spec.named_files import COPIES, folder_of_files
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
@@ -29,7 +29,9 @@ from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 
 MOST_CELLS, MOST_ALONG = 100_000, 1000
 _AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")
-_GRID = re.compile(r"(\d{1,9})[x×](\d{1,9})")
+_GRID = re.compile(r"([0-9]{1,9})[x×]([0-9]{1,9})")
+_DECIMAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+USUAL_GRID = "40x40"
 
 
 def wanted_axes(over: str, grid: str) -> list[WantedAxis]:
@@ -58,10 +60,7 @@ def _wanted(part: str, cells: int) -> WantedAxis:
     name = found["name"].strip()
     if found["low"] is None:
         return WantedAxis(name, None, cells)
-    try:
-        low, high = float(found["low"]), float(found["high"])
-    except ValueError:
-        low = high = math.nan
+    low, high = (_number(found[end]) for end in ("low", "high"))
     if not (math.isfinite(low) and math.isfinite(high)):
         message = f"expected two numbers, found {found['low']}:{found['high']}"
         raise typer.BadParameter(message, param_hint="--over")
@@ -69,6 +68,11 @@ def _wanted(part: str, cells: int) -> WantedAxis:
         message = f"the low end {low:g} of {name} is not below the high end {high:g}"
         raise typer.BadParameter(message, param_hint="--over")
     return WantedAxis(name, (low, high), cells)
+
+
+def _number(text: str) -> float:
+    """A decimal number in ASCII; NaN for anything else."""
+    return float(text) if _DECIMAL.fullmatch(text.strip()) else math.nan
 
 
 def make_map(
@@ -84,9 +88,13 @@ def make_map(
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
     program, source = sound(spec, settings)
     if program.world.floats:
-        with reading(str(spec), source):
-            cells = _floating(program, axes, contact)
-        folder = _place(out, program.spec.name, source)
+        try:
+            with reading(str(spec), source):
+                cells = _floating(program, axes, contact)
+        except KeyboardInterrupt:
+            say("interrupted; nothing is kept of a map of floating contacts, which is made in one go: begin it again")
+            return INTERRUPTED
+        folder = _place(out, program, source)
         seed = program.spec.trials.seed
         made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
         show_map(made, folder, as_json)
@@ -111,7 +119,7 @@ def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
 
 def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
-    code = carried_on(folder, workers, "map")
+    code = carried_on(folder, workers, ["map", "--resume", str(folder.path)])
     if code == 0:
         with reading(str(folder.path)):
             made = map_of_run(folder)
@@ -119,10 +127,12 @@ def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     return code
 
 
-def _place(out: Path | None, name: str, source: str) -> Path:
+def _place(out: Path | None, program: Program, source: str) -> Path:
+    """A folder with the spec of a map, and copies of the files that it names."""
+    copies = {f"{COPIES}/{file.kept_as.as_posix()}": file.content for file in program.files}
     with reading(str(out or RUNS)):
-        folder = out or fresh_folder(RUNS, f"{name}-map")
-        prepare(folder, {SPEC: source})
+        folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
+        prepare(folder, {SPEC: source, **copies})
         return folder
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import numbers_of
 from graspdsl.spec.files import read_text
@@ -55,13 +57,13 @@ def go_on(path: Path, spec: Path | None) -> RunFolder:
 
 def finish(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run what is not finished, show progress, then the summary. Returns the exit code."""
-    code = carried_on(folder, workers, "run")
+    code = carried_on(folder, workers, ["run", "--resume", str(folder.path)])
     if code == 0:
         show(folder, as_json)
     return code
 
 
-def carried_on(folder: RunFolder, workers: int | None, command: str) -> int:
+def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -> int:
     """Run what is not finished and show progress. Returns the exit code; ``command`` is the one that would go on."""
     with reading(str(folder.path)):
         finished = folder.finished()
@@ -73,10 +75,10 @@ def carried_on(folder: RunFolder, workers: int | None, command: str) -> int:
             with Progress(manifest.asked, finished) as progress:
                 execute(folder, workers, progress.advance)
         except KeyboardInterrupt:
-            say(f"interrupted; {_kept(folder, command)}")
+            say(f"interrupted; {_kept(command)}")
             return INTERRUPTED
         except WorkerEndedError as end:
-            say(f"{end}; {_kept(folder, command)}")
+            say(f"{end}; {_kept(command)}")
             if not end.from_outside:
                 raise
             return INTERRUPTED
@@ -92,6 +94,8 @@ def show(folder: RunFolder, as_json: bool) -> None:
         result_json(numbers)
     else:
         result(summary_text(numbers))
+    if differs := departure(evidence.program):
+        say(f"the chapter's claims about {folder.manifest.name} are not asked of this run: {differs}")
     try:
         say(f"report: {page_of(evidence)}")
     except DiagnosticError as error:
@@ -116,5 +120,5 @@ def frames_of(evidence: Evidence) -> dict[str, bytes]:
     return {name: picture for name, picture in shown.items() if picture is not None}
 
 
-def _kept(folder: RunFolder, command: str) -> str:
-    return f"finished trials are kept. To go on:\n  graspdsl {command} --resume {shlex.quote(str(folder.path))}"
+def _kept(command: Sequence[str]) -> str:
+    return f"finished trials are kept. To go on:\n  {shlex.join(['graspdsl', *command])}"

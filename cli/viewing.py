@@ -14,9 +14,11 @@ from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import printable, result, say
 from graspdsl.cli.running import opened
 from graspdsl.diagnostics import Diagnostic, known_names_hint
-from graspdsl.hands.descriptions import hands, robot
+from graspdsl.hands.descriptions import Robot, hands, mounts, robot
+from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
 from graspdsl.objects.shapes import catalogue
 from graspdsl.report.writing import replace
+from graspdsl.spec.named_files import SpecFolder
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
@@ -24,19 +26,22 @@ from graspdsl.worlds.bullet.world import TABLE_FRICTION
 from graspdsl.worlds.protocol import GRAVITY
 
 SIZE = (640, 480)
+PICTURES = 6  # of a trial
 FILM_RATE = 10  # pictures a second
 MOUNT = "gantry"
 
 
 def view_trial(run: Path, number: int, images: Path | None, video: Path | None, count: int) -> None:
-    """Replay a trial of a run: pictures evenly over it, a film in its own time, or the window."""
+    """Replay a trial of a run: so many pictures evenly over it, a film in its own time, or the window."""
+    if video is not None:
+        _needs_film_maker(video)
     folder = opened(run)
     in_window = images is None and video is None
     if in_window:
         _needs_display(str(run))
-    if video is not None:
-        _needs_film_maker(video)
     with reading(str(run)), Replay(folder, number, width=SIZE[0], height=SIZE[1], window=in_window) as replay:
+        if video is not None:
+            _needs_place(video)
         if in_window:
             _play(replay)
         if images is not None:
@@ -61,13 +66,11 @@ def view_object(name: str, images: Path | None) -> None:
 
 
 def view_hand(name: str, images: Path | None) -> None:
-    """A hand, open and closed."""
-    known = {hand: found for hand, found in hands().items() if found.urdf}
-    if name not in known:
-        raise InputError(name, "", [Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))])
+    """A hand of the catalogue or of a file, open and closed."""
+    shown = _hand_of_file(Path(name)) if names_a_file(name) else _hand_of_catalogue(name)
     if images is None:
         _needs_display(name)
-    shown = robot(name, MOUNT)
+    name = Path(name).stem if names_a_file(name) else name
     postures = {
         posture: np.array([shown.hand.postures[posture].get(joint, 0.0) for joint in shown.joints])
         for posture in ("open", "closed")
@@ -83,6 +86,22 @@ def view_hand(name: str, images: Path | None) -> None:
             studio.show(joints)
             pictures[f"{name}-{posture}.png"] = png(annotated(studio.picture(camera), [], [f"{name}, {posture}"]))
         _write(images, pictures)
+
+
+def _hand_of_catalogue(name: str) -> Robot:
+    known = {hand: found for hand, found in hands().items() if found.urdf}
+    if name not in known:
+        raise InputError(name, "", [Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))])
+    return robot(name, MOUNT)
+
+
+def _hand_of_file(path: Path) -> Robot:
+    with reading(str(path)):
+        try:
+            found = hand_in(SpecFolder(path.parent), path.name)
+        except HandFileError as error:
+            raise InputError(str(path), error.text, error.diagnostics) from None
+    return Robot(hand=found.hand, mount=mounts()[MOUNT], hand_model=found.model)
 
 
 def _play(replay: Replay) -> None:
@@ -108,23 +127,41 @@ def _film(place: Path, replay: Replay) -> None:
 
     ends = np.arange(0.0, float(replay.rows["time"][-1]), 1.0 / FILM_RATE)
     ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
-    draft = place.with_name(f"{place.stem}.{os.getpid()}.new{place.suffix}")
-    width, height = SIZE
+    draft = _draft(place)
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        film = write_frames(str(draft), (width, height), fps=FILM_RATE, macro_block_size=1)
+        film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
         film.send(None)
         for tick in ticks:
             film.send(np.asarray(replay.picture(int(tick)).convert("RGB").resize(SIZE)).tobytes())
         film.close()
         draft.replace(place)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        fault = Diagnostic("file-not-writable", f"cannot write this file: {reason}")
-        raise InputError(str(place), "", [fault]) from None
+    except OSError as error:  # what ffmpeg itself has to say goes on for pages
+        raise _not_writable(place, error.strerror or "the film maker gave up") from None
     finally:
         draft.unlink(missing_ok=True)
     result(printable(str(place)))
+
+
+def _draft(place: Path) -> Path:
+    """Where a film is while it is being made; ffmpeg knows a film by its suffix."""
+    return place.with_name(f"{place.stem}.{os.getpid()}.new{place.suffix}")
+
+
+def _needs_place(place: Path) -> None:
+    """A film can be written there: its folder is made, and a file in it."""
+    draft = _draft(place)
+    try:
+        if place.is_dir():
+            raise _not_writable(place, "is a directory")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        draft.touch()
+        draft.unlink()
+    except OSError as error:
+        raise _not_writable(place, error.strerror or "unknown reason") from None
+
+
+def _not_writable(place: Path, reason: str) -> InputError:
+    return InputError(str(place), "", [Diagnostic("file-not-writable", f"cannot write this file: {reason.lower()}")])
 
 
 def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:

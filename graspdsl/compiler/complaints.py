@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span
+from graspdsl.notation.names import canonical
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 
@@ -32,6 +35,18 @@ class Complaints:
         """Add diagnostics about the present path."""
         for diagnostic in diagnostics:
             self.found.append(self._document.attributed(self._path, diagnostic) if self._document else diagnostic)
+
+    def of_parameter(self, name: str, complaint: Diagnostic) -> None:
+        """Add a diagnostic about the value of a parameter, which all formulas that use it would repeat."""
+        document = self._document
+        keys = document.data.get("parameters") if document else None
+        given = {canonical(key): key for key in keys} if isinstance(keys, dict) else {}
+        if document is None or name not in given:
+            self.add(complaint)
+            return
+        before = self.about(("parameters", given[name]))
+        self.add(replace(complaint, span=document.span(("parameters", given[name]))))
+        self.about(before)
 
     def take(self, error: DiagnosticError) -> None:
         """Add what an error carries."""

@@ -12,6 +12,7 @@ from graspdsl.diagnostics import SourceText
 from graspdsl.notation.names import canonical
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
+from graspdsl.spec.models import LARGEST_PARAMETER
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +136,7 @@ def _parameters(document: Document) -> dict[str, tuple[float, ...] | None]:
     for key, value in _mapping(document, "parameters").items():
         listed = value if isinstance(value, list) else [value]
         numbers = [n for n in listed if isinstance(n, int | float) and not isinstance(n, bool)]
-        sound = numbers and len(numbers) == len(listed)
+        sound = numbers and len(numbers) == len(listed) and all(abs(n) <= LARGEST_PARAMETER for n in numbers)
         found[canonical(key)] = tuple(map(float, numbers)) if sound else None
     return found
 

@@ -11,9 +11,12 @@ from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import DISPLACES, TaskSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.graph import ControllerGraph, ControllerReference, Reference, SensorReference, VectorReference
-from graspdsl.diagnostics import Span, known_names_hint, listed
+from graspdsl.diagnostics import Diagnostic, Span, known_names_hint, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
+from graspdsl.spec.models import LARGEST_PARAMETER
+
+LARGEST_FORCE = 1000.0  # N
 
 
 class ExpressionCheck(Protocol):
@@ -73,6 +76,8 @@ class ReferenceCheck:
                 )
                 return None
             case syntax.Vector(values):
+                if not self._within(values, tree.span):
+                    return None
                 return self._vector(values, to_unicode_vector(values), potential, resources, tree.span)
             case syntax.Name(text):
                 given = self._parameter(tree)
@@ -127,7 +132,7 @@ class ReferenceCheck:
                     f"give one number, {tree.factor.text}: {values[0]:g}",
                 )
         elif tree.factor is not None:
-            factor = tree.factor
+            factor = tree.factor if self._within((tree.factor,), tree.span) else None
         sensor = self._checker.sensor(tree.sensor.name)
         over_joints = sensor is not None and sensor.over_joints
         set_of_reference = self._checker.sensed(tree.sensor.resources, over_joints)
@@ -141,6 +146,9 @@ class ReferenceCheck:
                 tree.span,
                 f"use {listed(potential.references, 'or')}",
             )
+            return None
+        if sensor.space is TaskSpace.NORMAL and not 0.0 <= factor <= LARGEST_FORCE:
+            self._pressed(tree, factor)
             return None
         if sensor.space is TaskSpace.ORIENTATION and _has_gravity(set_of_reference):
             self._complaints.error("gravity-not-sensed", "γ_g has no orientation", tree.span, "leave γ_g out")
@@ -156,6 +164,24 @@ class ReferenceCheck:
         if set_of_reference.same_as(resources):
             set_of_reference = resources  # in the order of the sensor's rows
         return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference)
+
+    def _within(self, values: tuple[float, ...], span: Span) -> bool:
+        """Whether numbers that a formula gives are no larger than those of parameters may be."""
+        largest = max(values, key=abs)
+        if abs(largest) <= LARGEST_PARAMETER:
+            return True
+        message = f"expected numbers from {-LARGEST_PARAMETER:g} to {LARGEST_PARAMETER:g}, found {largest:g}"
+        self._complaints.error("out-of-range", message, span, "references are in N, m, rad or N·m")
+        return False
+
+    def _pressed(self, tree: syntax.ScaledSensor, force: float) -> None:
+        message = f"contacts press along their normals with 0 to {LARGEST_FORCE:g} N, found {force:g}"
+        hint = "normals point into the object: a force along them pushes, and contacts cannot pull"
+        complaint = Diagnostic("out-of-range", message, tree.span, hint)
+        if isinstance(tree.factor, syntax.Name):
+            self._complaints.of_parameter(tree.factor.text, complaint)
+        else:
+            self._complaints.add(complaint)
 
     def _controller(self, tree: syntax.Expression, potential: Potential) -> ControllerReference | None:
         graph = self._checker.expression(tree)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.report.claim_words import median_of, rising, settling, share_of, why_untold, with_interval
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.experiment_setups import departure
 from graspdsl.report.intervals import median_interval, peak_interval
 from graspdsl.report.judgements import Judgement, Verdict, every, judged_share, judged_value
 from graspdsl.report.mean_courses import SETTLED, MeanCourses, mean_courses
@@ -31,6 +31,7 @@ SIGNIFICANT = 0.1  # a share of grasps that is surely larger is no rarity
 SEVERAL = 2 / 58  # the least share that "trials", of 58, can be
 SMALLER = 0.5  # of another share: a peak that is surely smaller is much smaller
 ITERATIONS = (750.0, 1250.0)  # "approximately 1000 (20 seconds)", at 50 Hz: 20 s to ten seconds are 15 to 25
+ONE_MODE = 0.8  # a share that is surely larger, as 27 of 28 show, is of one mode though one grasp strays
 MONOTONE = 0.05  # of where a mean residual starts: what a figure of it resolves
 
 Numbers = Mapping[str, Any]
@@ -54,9 +55,9 @@ class Claim:
 
 
 def claims_of(evidence: Evidence) -> list[Claim]:
-    """The claims of the experiment that a run is of, by the name of its spec; none for a run of something else."""
+    """The claims of the experiment that a run is of; none for a run of something else, whatever its name."""
     made = EXPERIMENTS.get(evidence.program.spec.name)
-    return [] if made is None else list(made(_Run(evidence)))
+    return [] if made is None or departure(evidence.program) else list(made(_Run(evidence)))
 
 
 class _Run:
@@ -211,15 +212,14 @@ def _three_contacts(run: _Run) -> Iterable[Claim]:
     )
 
 
-def _bottle(run: _Run, trials: int) -> Iterable[Claim]:
-    """trials: how many of the chapter's all ended in the one mode."""
+def _bottle(run: _Run) -> Iterable[Claim]:
     main = next(iter(run.modes), None)
-    least, held = wilson(trials, trials)[0], len(main.members) if main else 0
+    held = len(main.members) if main else 0
     yield run.claim(
         "There is one mode.",
-        f"at least {percent(least)} of grasps in it, as {trials} of {trials} show",
+        f"at least {percent(ONE_MODE)} of grasps in it",
         f"{share_of(held, len(run.ended))}; {counted(len(run.modes), 'mode', 'modes')}" if main else NOTHING,
-        judged_share(held, len(run.ended), least),
+        judged_share(held, len(run.ended), ONE_MODE),
         "some grasps were stuck before",
     )
     yield run.peak_near("The grasp is perpendicular to the major axis.", main, RIGHT_ANGLE, "π/2")
@@ -229,8 +229,8 @@ def _bottle(run: _Run, trials: int) -> Iterable[Claim]:
 EXPERIMENTS: Mapping[str, Callable[[_Run], Iterable[Claim]]] = {
     "experiment-1": _two_contacts,
     "experiment-2": _three_contacts,
-    "experiment-3": partial(_bottle, trials=28),
-    "experiment-4": partial(_bottle, trials=31),
+    "experiment-3": _bottle,
+    "experiment-4": _bottle,
 }
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from graspdsl.report.attraction import AttractionMap, as_data
 from graspdsl.report.writing import replace
+from graspdsl.spec.named_files import MAP_DATA
 
-FILES = ("map.svg", "map.png", "map.json")
+FILES = ("map.svg", "map.png", MAP_DATA)
 
 
 def write_map(folder: Path, made: AttractionMap) -> None:

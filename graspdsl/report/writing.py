@@ -31,7 +31,7 @@ def replace(folder: Path, files: Mapping[str, str | bytes], outdated: Sequence[s
         try:
             for name, content in files.items():
                 place = folder / name
-                place.parent.mkdir(exist_ok=True)
+                place.parent.mkdir(parents=True, exist_ok=True)
                 drafts[place] = place.with_name(f"{place.name}.{os.getpid()}.new")
                 drafts[place].write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
             for place, draft in drafts.items():

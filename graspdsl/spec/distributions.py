@@ -85,6 +85,11 @@ def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
             if not low <= number <= high:
                 message = f"expected numbers from {low:g} to {high:g} ({unit}), found {as_yaml(number)}"
                 raise fault("out-of-range", message, hint)
+        widest = 0.5 * (high - low)
+        if isinstance(value, Normal) and value.normal[1] > widest:
+            found = as_yaml(value.normal[1])
+            message = f"expected a standard deviation of at most {widest:g} ({unit}), found {found}"
+            raise fault("out-of-range", message, hint)
         return value
 
     return AfterValidator(check)

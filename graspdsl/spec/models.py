@@ -57,8 +57,11 @@ ControllerEntry = Annotated[
     Annotated[str, Field(min_length=1), form("body")] | Annotated[ControllerDefinition, form("definition")],
     forms('a formula, or {is: a formula, equation: "4.30", about: …}', _definition_form),
 ]
+LARGEST_PARAMETER = 10_000.0  # N, m, rad or N·m
+
+Value = Annotated[Number, Field(ge=-LARGEST_PARAMETER, le=LARGEST_PARAMETER)]
 Parameter = Annotated[
-    Annotated[Number, form("number")] | Annotated[tuple[Number, ...], Field(min_length=1), form("list")],
+    Annotated[Value, form("number")] | Annotated[tuple[Value, ...], Field(min_length=1), form("list")],
     forms("a number or a list of numbers", _parameter_form),
 ]
 Grade = Literal["force-closure", "ferrari-canny", "lift", "shake"]

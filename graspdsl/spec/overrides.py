@@ -45,7 +45,7 @@ def _applied(document: Document, override: str) -> Document:
             document = document.with_value(path, {name: {}}, origin)  # a name stands for it without parameters
             at = {name: {}}
         if isinstance(at, list):
-            if not (name.isdecimal() and int(name[:9]) < len(at)):
+            if not (name.isascii() and name.isdecimal() and int(name[:9]) < len(at)):
                 message = f"{_said(path)} is a list of {len(at)}, and {shortened(name)!r} is no number of an item in it"
                 hint = f"items are numbered from 0 to {len(at) - 1}" if at else None
                 raise _refused(origin, "unknown-path", message, hint)

@@ -14,13 +14,13 @@ class Until(Model):
 
     contact: Literal["all"] | None = Field(default=None, description="all: every contact touches the object")
     force_residual: Number | None = Field(
-        default=None, gt=0.0, description="the norm of the net unit force (1) is below this"
+        default=None, gt=0.0, le=100.0, description="the norm of the net unit force (1) is below this"
     )
     moment_residual: Metres | None = Field(
-        default=None, gt=0.0, description="the norm of the net moment of unit forces (m) is below this"
+        default=None, gt=0.0, le=100.0, description="the norm of the net moment of unit forces (m) is below this"
     )
     force_error: Annotated[Number, Unit("N")] | None = Field(
-        default=None, gt=0.0, description="every contact force is within this (N) of its reference"
+        default=None, gt=0.0, le=1000.0, description="every contact force is within this (N) of its reference"
     )
     hold: Seconds = Field(default=0.2, ge=0.0, le=600.0, description="how long the conditions must hold (s)")
 

@@ -10,6 +10,7 @@ from graspdsl.spec.fields import Kilograms, Metres, Model, Number, exactly, faul
 from graspdsl.spec.sensing import SensingChoice, TactileSensor, sensor_of
 
 Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
+Rounding = Annotated[Metres, Field(gt=0.0, le=1.0)]
 
 
 class Cylinder(Model):
@@ -17,9 +18,7 @@ class Cylinder(Model):
 
     diameter: Size = Field(description="diameter (m), 0.005 to 2", examples=[0.10])
     height: Size = Field(description="height (m), 0.005 to 2", examples=[0.20])
-    edge: Annotated[Metres, Field(gt=0.0, le=1.0)] = Field(
-        default=0.005, description="radius (m) that rounds the edges where contacts float"
-    )
+    edge: Rounding = Field(default=0.005, description="radius (m) that rounds the edges where contacts float")
 
 
 class Sphere(Model):
@@ -61,8 +60,8 @@ class Bottle(Model):
     neck_diameter: Size = Field(description="diameter of the neck (m)", examples=[0.03])
     body_height: Size = Field(description="height of the body below the shoulder (m)", examples=[0.13])
     neck_height: Size = Field(description="height of the neck above the shoulder (m)", examples=[0.04])
-    shoulder: Annotated[Metres, Field(gt=0.0)] = Field(description="rounding of the shoulder (m)", examples=[0.015])
-    edge: Annotated[Metres, Field(gt=0.0)] = Field(description="rounding of bottom and top (m)", examples=[0.008])
+    shoulder: Rounding = Field(description="rounding of the shoulder (m)", examples=[0.015])
+    edge: Rounding = Field(description="rounding of bottom and top (m)", examples=[0.008])
 
 
 FilePath = Annotated[str, Field(min_length=1, max_length=1000)]

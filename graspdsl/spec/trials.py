@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -12,6 +12,9 @@ from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length
 from graspdsl.spec.fields import Count, Model, Number, fault
 
 MOST_TRIALS = 100_000
+FARTHEST = 10.0  # m or rad, wider than any bound of a start
+
+End = Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)]
 
 
 class Start(Model):
@@ -39,8 +42,8 @@ class GridAxis(Model):
     parameter: Literal["roll", "height", "standoff", "yaw", "offset", "tilt"] = Field(
         description="which number of 'start' is laid on the grid, in its unit", examples=["roll"]
     )
-    low: Number = Field(description="where the first cell begins, in the unit of the parameter", examples=[-1.5])
-    high: Number = Field(description="where the last cell ends, in the unit of the parameter", examples=[1.5])
+    low: End = Field(description="where the first cell begins, in the unit of the parameter", examples=[-1.5])
+    high: End = Field(description="where the last cell ends, in the unit of the parameter", examples=[1.5])
     cells: Count = Field(ge=1, le=1000, description="how many cells there are, 1 to 1000", examples=[40])
 
     @model_validator(mode="after")

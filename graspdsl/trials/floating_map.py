@@ -142,7 +142,7 @@ def towards(surface: Surface, directions: Array) -> Array:
 @dataclass(frozen=True, slots=True)
 class ProgramEnds:
     """Where and how n starts ended: points (n, k, 3) [m], outcomes and ticks (n,) to converge, NaN for those that did
-    not."""
+    not. As in the record of a trial, ticks count from where the second phase begins, if there is one."""
 
     points: Array
     outcomes: tuple[Outcome, ...]
@@ -155,7 +155,8 @@ def run_program(program: Program, surface: Surface, points: Array) -> ProgramEnd
     weight = GRAVITY * program.body.mass
     outcomes = [Outcome.CONVERGED] * count
     passed, ticks, active = np.zeros(count), np.zeros(count), np.arange(count)
-    for phase, settings, pipelines in zip(program.phases, program.spec.program, program.pipelines(), strict=True):
+    phases = zip(program.phases, program.spec.program, program.pipelines(), strict=True)
+    for index, (phase, settings, pipelines) in enumerate(phases):
         until = settings.until
         conditions = [*[until_of(stage, until) for stage in phase.stages[:-1]], until]
         stages = [_stage(*pair) for pair in zip(pipelines, conditions, strict=True)]
@@ -166,7 +167,8 @@ def run_program(program: Program, surface: Surface, points: Array) -> ProgramEnd
         done = run_stages(stages, surface, points[active], hold=hold, steps=steps, weight=weight, stalling=watch)
         points[active] = done.points
         ticks[active] = passed[active] + done.ticks
-        passed[active] += done.ticks + hold - 1
+        if index > 0:  # a trial counts from the second phase on: in the first its contacts have touched
+            passed[active] += done.ticks + hold - 1
         for cell, stalled in zip(active[~done.converged], done.stalled[~done.converged], strict=True):
             outcomes[cell], ticks[cell] = Outcome.LOCAL_MINIMUM if stalled else Outcome.TIMEOUT, math.nan
         active = active[done.converged]

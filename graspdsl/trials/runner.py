@@ -52,26 +52,34 @@ def program_of_run(folder: RunFolder) -> Program:
     return program_of(*_recipe(folder))
 
 
-def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | None = None) -> None:
-    """Run the trials that are not finished yet; each is committed to the folder as it ends.
+def pending(folder: RunFolder, program: Program) -> list[int]:
+    """The numbers of the trials of a run's program that are not finished yet.
 
-    Raises DiagnosticError when the finished trials were made by other versions or another spec, so that their numbers
-    would not go together, or when the folder cannot be written to; WorkerEndedError when a worker is killed. After
-    these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
+    Raises DiagnosticError when the finished ones were made by other versions or another spec, so that their numbers
+    and new ones would not go together.
     """
-    program = program_of_run(folder)
     seed = folder.manifest.seed
     done = {record.number: record.identity for record in folder.finished()}
     if any(identity(program, number, seed) != known for number, known in done.items()):
         raise DiagnosticError([_differs(folder.manifest.versions)])
-    pending = [number for number in range(folder.manifest.asked) if number not in done]
-    if not pending:
+    return [number for number in range(folder.manifest.asked) if number not in done]
+
+
+def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | None = None) -> None:
+    """Run the trials that are not finished yet; each is committed to the folder as it ends.
+
+    Raises DiagnosticError as ``pending`` does, or when the folder cannot be written to; WorkerEndedError when a worker
+    is killed. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
+    """
+    program = program_of_run(folder)
+    numbers = pending(folder, program)
+    if not numbers:
         return
     if workers is None:
-        workers = min(os.cpu_count() or 1, max(1, len(pending) // TRIALS_WORTH_A_WORKER))
-    workers = min(workers, len(pending))
-    began = time.perf_counter()
-    trials = _here(program, pending, seed) if workers == 1 else _elsewhere(folder, pending, seed, workers)
+        workers = min(os.cpu_count() or 1, max(1, len(numbers) // TRIALS_WORTH_A_WORKER))
+    workers = min(workers, len(numbers))
+    began, seed = time.perf_counter(), folder.manifest.seed
+    trials = _here(program, numbers, seed) if workers == 1 else _elsewhere(folder, numbers, seed, workers)
     try:
         with closing(trials):
             for trial in trials:

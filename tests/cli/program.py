@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,8 @@ ROOT = Path(__file__).parents[2]
 SPEC = ROOT / "specs" / "towel_roll_two_contacts.yaml"
 PROGRAM = Path(sys.executable).with_name("graspdsl")
 TRIALS = 3
+
+Stop = Callable[[subprocess.Popen[str]], None]
 
 
 def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
@@ -30,6 +32,34 @@ def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -
 def heed_interrupts() -> None:
     """In a child about to begin: a background job ignores SIGINT, and so would what it begins."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def stopped(*words: str | Path, cwd: Path, after: str, stop: Stop) -> subprocess.CompletedProcess[str]:
+    """What the program answers when it is stopped once it has said a line with some text on stderr."""
+    command = [str(PROGRAM), *map(str, words)]
+    with subprocess.Popen(
+        command,
+        cwd=cwd,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        start_new_session=True,
+        preexec_fn=heed_interrupts,
+    ) as process:
+        assert process.stderr is not None
+        before = ""
+        while after not in before:
+            line = process.stderr.readline()
+            assert line, before
+            before += line
+        stop(process)
+        out, rest = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(command, process.returncode, out, rest)
+
+
+def interrupt(process: subprocess.Popen[str]) -> None:
+    """Ctrl-C, to the program alone."""
+    process.send_signal(signal.SIGINT)
 
 
 def numbers(document: dict[str, Any]) -> list[dict[str, Any]]:

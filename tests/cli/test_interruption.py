@@ -6,16 +6,13 @@ import json
 import os
 import signal
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, heed_interrupts, numbers
+from cli.program import SPEC, TRIALS, FinishedRun, Stop, graspdsl, numbers, stopped
 from graspdsl.report.summary import summary
 from graspdsl.trials.store import RunFolder
-
-Stop = Callable[[subprocess.Popen[str]], None]
 
 RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
 
@@ -43,26 +40,9 @@ def _to_a_worker(number: signal.Signals) -> Stop:
 
 def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
-    command = [PROGRAM, "run", SPEC, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json"]
-    run = subprocess.Popen(
-        command,
-        cwd=place,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-        start_new_session=True,
-        preexec_fn=heed_interrupts,
-    )
-    assert run.stdout is not None
-    assert run.stderr is not None
-    before = ""
-    while f" 1/{TRIALS} " not in before:
-        line = run.stderr.readline()
-        assert line, before
-        before += line
-    stop(run)
-    out, after = run.communicate(timeout=60)
-    return run.returncode, out, after
+    words = ("run", SPEC, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
+    answer = stopped(*words, cwd=place, after=f" 1/{TRIALS} ", stop=stop)
+    return answer.returncode, answer.stdout, answer.stderr
 
 
 def _resumed(place: Path) -> list[dict[str, object]]:

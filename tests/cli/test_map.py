@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from cli.program import PROGRAM, SPEC, graspdsl, heed_interrupts
+from cli.program import SPEC, graspdsl, interrupt, stopped
 from graspdsl.trials.store import RunFolder
 
 FLOATING = SPEC.parent / "compare" / "moment_subject_to_force.yaml"
@@ -52,20 +50,10 @@ def test_a_map_of_a_hand_does_not_depend_on_workers(tmp_path: Path) -> None:
 
 def test_an_interrupted_map_goes_on(tmp_path: Path) -> None:
     """What was finished is kept; the line that is printed finishes the map."""
-    words = [str(PROGRAM), "map", str(SPEC), "--over", "roll,height", "--grid", "2x2", *SHORT]
-    words += ["--workers", "1", "--out", "m"]
-    process = subprocess.Popen(
-        words, cwd=tmp_path, stderr=subprocess.PIPE, encoding="utf-8", preexec_fn=heed_interrupts
-    )
-    with process:
-        assert process.stderr is not None
-        for line in process.stderr:
-            if "1/4" in line:
-                break
-        process.send_signal(signal.SIGINT)
-        _, rest = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "graspdsl map --resume m" in rest
+    words = ("map", SPEC, "--over", "roll,height", "--grid", "2x2", *SHORT, "--workers", "1", "--out", "m")
+    begun = stopped(*words, cwd=tmp_path, after="1/4", stop=interrupt)
+    assert begun.returncode == 130
+    assert "graspdsl map --resume m" in begun.stderr
     assert not (tmp_path / "m" / "map.json").exists()
     done = graspdsl("map", "--resume", "m", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -125,6 +113,9 @@ def test_a_map_of_an_object_from_a_file_keeps_the_file(tmp_path: Path) -> None:
         (("--over", "roll=a:b,height"), "two numbers"),
         (("--over", "roll=nan:1,height"), "two numbers"),
         (("--over", "roll=1,height"), "NAME=LOW:HIGH"),
+        (("--over", "roll=٠:١,height"), "two numbers"),
+        (("--over", "roll=1_0:2_0,height"), "two numbers"),
+        (("--over", "roll,height", "--grid", "٤x٤"), "COLUMNSxROWS"),
         ((), "--over"),
         (("--over", "roll,height", "--resume", "x"), "keeps all"),
     ],
@@ -133,6 +124,26 @@ def test_wrong_use_says_what_is_right(words: tuple[str, ...], said: str, tmp_pat
     done = graspdsl("map", SPEC, *words, cwd=tmp_path, env={"COLUMNS": "200"})
     assert done.returncode == 2
     assert said in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(("--grid", "5x5"), ("--grid", "40x40"), ("--seed", "3"), ("--contact", "point-1"), ("--out", "y")),
+        *(("--over", "roll,height"), ("--set", "scene.friction=0.5")),
+    ],
+)
+def test_a_resumed_map_takes_nothing_that_it_would_ignore(words: tuple[str, ...], tmp_path: Path) -> None:
+    done = graspdsl("map", "--resume", "x", *words, cwd=tmp_path, env={"COLUMNS": "200"})
+    assert (done.returncode, "keeps all that it was begun with" in done.stderr) == (2, True)
+
+
+def test_an_interrupted_map_of_floating_contacts_says_that_nothing_is_kept(tmp_path: Path) -> None:
+    words = ("map", FLOATING, "--over", "azimuth,polar", "--grid", "300x300", "--out", "m")
+    begun = stopped(*words, cwd=tmp_path, after="cells, seed", stop=interrupt)
+    assert begun.returncode == 130
+    assert begun.stderr.splitlines()[-1].startswith("interrupted; nothing is kept of a map of floating contacts")
     assert list(tmp_path.iterdir()) == []
 
 

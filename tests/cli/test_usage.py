@@ -13,6 +13,8 @@ from graspdsl.spec.models import Spec
 
 RESUMED = "a resumed run keeps its trials, seed, folder and settings"
 
+EMPTY = "the name is empty"
+
 WRONG_USE = [
     ((), "Usage: graspdsl"),
     (("bogus",), "No such command 'bogus'"),
@@ -38,6 +40,19 @@ WRONG_USE = [
     (("run", "--resume", "x", "--out", "y"), RESUMED),
     (("run", "--resume", "x", "--set", "scene.friction=0.5"), RESUMED),
     (("explain", "π_a", "--as", "prose"), "'--as'"),
+    (("validate", ""), EMPTY),
+    (("validate", str(SPEC), ""), EMPTY),
+    (("run", ""), EMPTY),
+    (("run", str(SPEC), "--out", ""), EMPTY),
+    (("run", "--resume", ""), EMPTY),
+    (("map", ""), EMPTY),
+    (("map", str(SPEC), "--over", "roll,height", "--out", ""), EMPTY),
+    (("map", "--resume", ""), EMPTY),
+    (("report", ""), EMPTY),
+    (("compare", "", "x"), EMPTY),
+    (("compare", "x", "y", "--out", ""), EMPTY),
+    (("experiments", ""), EMPTY),
+    (("experiments", str(SPEC), "--out", ""), EMPTY),
 ]
 
 

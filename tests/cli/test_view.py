@@ -20,6 +20,7 @@ from graspdsl.worlds.bullet.replay import GraspStudio
 from .program import ROOT, SPEC, graspdsl
 
 QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
+HANDS = ROOT / "graspdsl" / "hands"
 FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 
 
@@ -96,6 +97,7 @@ def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     [
         (("--object", "squirt-bottle"), ["squirt-bottle.png"]),
         (("--hand", "trio"), ["trio-closed.png", "trio-open.png"]),
+        (("--hand", HANDS / "trio.yaml"), ["trio-closed.png", "trio-open.png"]),
     ],
 )
 def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: Path) -> None:
@@ -105,10 +107,17 @@ def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: P
 
 
 def test_what_cannot_be_seen_is_said(folder: RunFolder, tmp_path: Path) -> None:
+    (tmp_path / "folder.mp4").mkdir()
     for words, code in (
         ((folder.path, "--trial", 9, "--images", "x"), "unknown-trial"),
         ((tmp_path, "--images", "x"), "not-a-run"),
         ((folder.path, "--video", "film.avi"), "unknown-suffix"),
+        ((folder.path, "--video", "film"), "unknown-suffix"),
+        ((folder.path, "--video", SPEC / "film.mp4", "--images", "x"), "file-not-writable"),
+        ((folder.path, "--video", "folder.mp4", "--images", "x"), "file-not-writable"),
+        ((folder.path, "--video", f"{'x' * 300}.mp4", "--images", "x"), "file-not-writable"),
+        (("--hand", "hand.yaml", "--images", "x"), "file-not-found"),
+        (("--hand", SPEC, "--images", "x"), "missing-key"),
         (("--object", "bottel", "--images", "x"), "unknown-object"),
         (("--hand", "points", "--images", "x"), "unknown-hand"),
         ((folder.path, "--images", SPEC), "folder-not-writable"),
@@ -116,7 +125,31 @@ def test_what_cannot_be_seen_is_said(folder: RunFolder, tmp_path: Path) -> None:
         done = graspdsl("view", *words, cwd=tmp_path)
         assert done.returncode == 1
         assert f"error[{code}]" in done.stderr
-    assert graspdsl("view", cwd=tmp_path).returncode == 2
+        assert "ffmpeg" not in done.stderr.lower()
+        assert done.stderr.count("error[") == 1 or code == "missing-key"
+        assert done.stdout == ""
+        assert [file.name for file in tmp_path.iterdir()] == ["folder.mp4"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        (),
+        ("--object", "ball", "--hand", "trio"),
+        ("--object", "ball", "--trial", "0", "--images", "x"),
+        ("--hand", "trio", "--trial", "1", "--images", "x"),
+        ("--object", "ball", "--frames", "6", "--images", "x"),
+        ("--hand", "trio", "--frames", "2", "--images", "x"),
+        ("--hand", "trio", "--video", "x.mp4"),
+        ("run", "--frames", "2", "--video", "x.mp4"),
+        ("run", "--images", ""),
+        ("run", "--video", ""),
+        ("",),
+    ],
+)
+def test_what_would_be_ignored_is_wrong_use(words: tuple[str, ...], tmp_path: Path) -> None:
+    done = graspdsl("view", *words, cwd=tmp_path)
+    assert (done.returncode, done.stdout, list(tmp_path.iterdir())) == (2, "", [])
 
 
 @pytest.mark.skipif("DISPLAY" in os.environ, reason="there is a display, and a window would open")

@@ -138,6 +138,12 @@ NAMES = (
     _formula("a controller that is not there", "π_clos|Γ Γ"),
     _formula("a resource that is not there", "π_close|γ4 γ4"),
     _formula("a parameter that is not there", "π_s|Γ Γ (κ_x)"),
+    Case("a force that pulls", spec("π_close|Γ Γ", "π_s|Γ Γ (π_gx|Γ Γ)", parameters="kappa_f: -5")),
+    Case("a force that no hand has, on the command line", spec("π_close|Γ Γ"), ("parameters.κ_f=5000",)),
+    Case("a force beyond all bounds", spec("π_close|Γ Γ", parameters="κ_f: 1e300")),
+    _formula("a force in a formula that pulls", "φ_f|τ_f(Γ) σ_f(Γ) (-2 σ_n(Γ))"),
+    _formula("a factor in a formula beyond all bounds", "φ_f|τ_f(Γ) σ_f(Γ) (1e300 σ_f(Γ))"),
+    _formula("a vector in a formula beyond all bounds", "φ_f|τ_f(γ1) σ_f(γ1) (0, -1e300, 0)"),
     Case("a parameter, and there are none", spec("π_close|Γ Γ", parameters="")),
 )
 CONTROLLERS = (

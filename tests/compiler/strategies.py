@@ -129,8 +129,10 @@ def _sound_controller(draw: st.DrawFn, space: GradientSpace) -> Expression:
         sensed = draw(_with_gravity(sensed))
     reference: Reference | None = None
     if potential.references and not (potential.has_default_reference and draw(st.booleans())):
-        made_of = Transform(Name(draw(st.sampled_from(potential.references))), sensed)
-        reference = ScaledSensor(draw(st.none() | st.floats(-2, 2) | st.just(Name("κ_f"))), made_of)
+        name = draw(st.sampled_from(potential.references))
+        least = 0.0 if name == "σ_n" else -2.0  # contacts push along their normals, they cannot pull
+        factor = draw(st.none() | st.floats(least, 2) | st.just(Name("κ_f")))
+        reference = ScaledSensor(factor, Transform(Name(name), sensed))
         displacing = [gradient for gradient, task in DISPLACES.items() if task is potential.space]
         if displacing and draw(st.booleans()):
             reference = draw(sound(displacing[0]))

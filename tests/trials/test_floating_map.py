@@ -82,6 +82,21 @@ def test_each_cell_ends_as_its_trial_does(name: str, outcome: str) -> None:
     by_trials(made, found, range(0, 12, 3))
 
 
+FORCE = "{run: φ_fr|τ_frx(Γ) σ_fr(Γ), until: {force_residual: 0.3, hold: 0.1}}"
+MOMENT = "{run: φ_mr|τ_mrx(Γ) σ_mr(Γ), until: {moment_residual: 0.02, hold: 0.2}}"
+BOTH = "{run: π_gx|Γ Γ, until: {force_residual: 0.1, moment_residual: 0.005, hold: 0.4}, limit: 20.0}"
+AT_ONCE = "{run: φ_fr|τ_frx(Γ) σ_fr(Γ), until: {force_residual: 0.8, hold: 0.0}}"
+
+
+@pytest.mark.parametrize("phases", [[FORCE, BOTH], [AT_ONCE, BOTH], [FORCE, MOMENT, BOTH]])
+def test_cells_of_several_phases_end_as_their_trials_do(phases: list[str]) -> None:
+    """Ticks too: they count from where the second phase begins."""
+    made = program("compare/moment_subject_to_force.yaml", f"program=[{', '.join(phases)}]")
+    found = floating_cells(made, axes(4, 3), None, SEED)
+    assert "converged" in found.outcomes
+    by_trials(made, found, range(12))
+
+
 def test_those_for_whom_time_is_too_short_are_known_beforehand() -> None:
     """With time for half of the cells, just those with the fewest ticks converge, and the trials agree."""
     name, hold = "compare/moment_subject_to_force.yaml", 20
