@@ -20,7 +20,7 @@ from graspdsl.report.experiment_setups import departure
 from graspdsl.report.intervals import median_interval, peak_interval
 from graspdsl.report.judgements import Judgement, Verdict, every, judged_share, judged_value
 from graspdsl.report.mean_courses import SETTLED, MeanCourses, mean_courses
-from graspdsl.report.statistics import RIGHT_ANGLE, Mode, modes, wilson
+from graspdsl.report.statistics import RIGHT_ANGLE, Mode, modes
 from graspdsl.report.summary import numbers_of
 from graspdsl.report.wording import NOTHING, counted, percent
 
