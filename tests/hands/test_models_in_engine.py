@@ -37,11 +37,11 @@ def _in_engine(found: FoundHand) -> Iterator[tuple[Any, int, BulletHand]]:
 
 def test_a_long_model_may_stand_on_one_line(tmp_path: Path) -> None:
     """The engine cuts long lines, in the midst of a number."""
-    write(tmp_path, with_links(290).replace("\n", " "))
+    write(tmp_path, with_links(90).replace("\n", " "))
     found = hand_in(SpecFolder(tmp_path), "hand.yaml")
     assert "\n" not in found.model
     with _in_engine(found) as (_, _, hand):
-        assert "l289" in hand.link_index
+        assert "l89" in hand.link_index
 
 
 def test_a_link_that_says_nothing_of_its_mass_has_none(tmp_path: Path) -> None:
