@@ -12,6 +12,8 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+MOST_NAMED = 40  # names in a hint
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
@@ -136,7 +138,8 @@ def known_names_hint(name: str, known: Iterable[str], what: str) -> str:
         return f"did you mean {listed(close, 'or')}?"
     if not known:
         return f"there are no known {what} here"
-    return f"known {what}: {', '.join(known)}"
+    more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
+    return f"known {what}: {', '.join(known[:MOST_NAMED])}{more}"
 
 
 def _cells(text: str) -> int:

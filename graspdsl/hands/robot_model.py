@@ -14,7 +14,7 @@ from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in, xml_tree
 
-MOST_LINKS = 300
+MOST_LINKS = 100  # the engine takes seconds for more: its time grows with their cube
 MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
 
 

@@ -72,3 +72,10 @@ def write(folder: Path, urdf: str | bytes = URDF, hand: str = HAND) -> Path:
     (folder / "hand.yaml").write_text(hand, encoding="utf-8")
     (folder / "spec.yaml").write_text(SPEC, encoding="utf-8")
     return folder / "spec.yaml"
+
+
+def with_links(links: int) -> str:
+    """The model with a chain of so many more links on the tip."""
+    link = '<link name="l{}"/><joint name="j{}" type="fixed"><parent link="{}"/><child link="l{}"/></joint>'
+    rest = "".join(link.format(i, i, f"l{i - 1}" if i else "tip", i) for i in range(links))
+    return changed(URDF, ("</robot>", f"{rest}</robot>"))

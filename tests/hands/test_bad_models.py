@@ -28,7 +28,7 @@ from graspdsl.spec.named_files import SpecFolder
 from graspdsl.spec.validation import validate_document
 from graspdsl.spec.xml_files import LARGEST
 
-from .models import HAND, SPEC, URDF, changed, write
+from .models import HAND, SPEC, URDF, changed, with_links, write
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +215,14 @@ def test_each_fault_is_one_complaint_of_validate_and_of_run(
     assert time.perf_counter() - began < 3.0
 
 
+def test_many_complaints_of_long_names_stay_short(tmp_path: Path) -> None:
+    link = '<link name="{}"/><joint name="{}" type="fixed"><parent link="palm"/><child link="none"/></joint>'
+    write(tmp_path, f"<robot>{''.join(link.format(f'{i:x>90}', i) for i in range(2000))}</robot>")
+    found = examine(SPEC, "spec.yaml", (), tmp_path).diagnostics
+    assert 1 < len(found) <= 20
+    assert max(len(f"{fault.message}{fault.hint}") for fault in found) < 5000
+
+
 def test_a_complaint_about_a_model_has_its_line_and_column(tmp_path: Path) -> None:
     write(tmp_path, changed(URDF, (BALL, '<sphere radius="-1"/>')))
     with pytest.raises(HandFileError) as caught:
@@ -236,18 +244,12 @@ def test_an_inertia_that_no_body_has_is_a_warning(tmp_path: Path) -> None:
     assert CliRunner().invoke(app, ["validate", str(tmp_path / "hand.yaml")]).exit_code == 0
 
 
-def _many(links: int) -> str:
-    link = '<link name="l{}"/><joint name="j{}" type="fixed"><parent link="{}"/><child link="l{}"/></joint>'
-    rest = "".join(link.format(i, i, f"l{i - 1}" if i else "tip", i) for i in range(links))
-    return changed(URDF, ("</robot>", f"{rest}</robot>"))
-
-
 @pytest.mark.parametrize(
     ("links", "said"),
-    [(MOST_LINKS, "where a model may have 2000"), (MOST_LINKS - 10, "where a hand may have 300"), (290, "")],
+    [(MOST_LINKS, "where a model may have 2000"), (MOST_LINKS - 10, "where a hand may have 100"), (90, "")],
 )
 def test_very_many_links_are_refused_at_once(links: int, said: str, tmp_path: Path) -> None:
-    write(tmp_path, _many(links))
+    write(tmp_path, with_links(links))
     began = time.perf_counter()
     found = examine(SPEC, "spec.yaml", (), tmp_path).diagnostics
     assert time.perf_counter() - began < 2.0
