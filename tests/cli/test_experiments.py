@@ -13,6 +13,9 @@ import pytest
 from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
+from graspdsl.trials.identity import identities
+from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.store import RunFolder
 
 from .program import ROOT, codes, graspdsl, interrupt, stopped
 
@@ -152,13 +155,15 @@ def test_runs_of_something_else_are_found_before_the_first_trial(
 
 
 def test_runs_of_other_versions_and_other_things_are_found_too(copied: Path) -> None:
-    manifest = copied / "experiment-4" / "run.json"
-    text = manifest.read_text("utf-8")
     shutil.copytree(copied, "other")
     (Path("other") / "experiment-4" / "run.json").unlink()
-    with closing(sqlite3.connect(copied / "experiment-4" / "trials.sqlite")) as table, table:
-        table.execute("UPDATE trials SET identity = 'of others'")
-    manifest.write_text(text.replace('"numpy": "', '"numpy": "0.'), "utf-8")
+    folder = RunFolder.open(copied / "experiment-4")
+    made_by = {**folder.manifest.versions, "numpy": f"0.{folder.manifest.versions['numpy']}"}
+    identity = identities(program_of_run(folder), folder.manifest.seed, made_by)
+    with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table, table:
+        table.executemany("UPDATE trials SET identity = ? WHERE number = ?", [(identity(n), n) for n in range(2)])
+    manifest = folder.path / "run.json"
+    manifest.write_text(manifest.read_text("utf-8").replace('"numpy": "', '"numpy": "0.'), "utf-8")
     for out, code, said in (("all", "run-differs", "made with numpy 0."), ("other", "folder-not-empty", "no run")):
         exit_code, messages = asked(SPECS / "3_squirt_bottle.yaml", SPEC, *QUICK, "--out", out)
         assert exit_code == 1
