@@ -12,6 +12,7 @@ import pytest
 
 from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import as_text
+from graspdsl.trials.outcomes import Outcome
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -49,6 +50,22 @@ def test_commands_run(commands: list[str], tmp_path: Path) -> None:
         done = subprocess.run([program, *words[1:]], cwd=tmp_path, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         assert done.stdout
+
+
+def _alike(line: str) -> str:
+    """A line without what may be otherwise on another machine: numbers, and how a trial ended."""
+    ending = "|".join(Outcome)
+    return re.sub(r"\d[\d.]*", "1", " ".join(re.sub(rf"^({ending}) ", "outcome ", line).split()))
+
+
+@pytest.mark.parametrize(("command", "text"), blocks("printed"))
+def test_what_is_printed_is_real(command: str, text: str, tmp_path: Path) -> None:
+    """The lines of a block that shows a command's output are lines that it prints, in their order."""
+    words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)[1:]]
+    program = Path(sys.executable).with_name("graspdsl")
+    done = subprocess.run([program, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
+    printed = iter(map(_alike, done.stdout.splitlines()))
+    assert all(_alike(line) in printed for line in text.splitlines())
 
 
 def test_make_knows_the_targets() -> None:
