@@ -134,10 +134,9 @@ def sensing_table(numbers: Numbers) -> PageTable:
 
 
 def claims_table(claims: Sequence[Numbers]) -> PageTable:
-    """What was claimed of experiments, and what was measured."""
+    """What the chapter says of this experiment, and what was measured."""
     rows = tuple(
         (
-            words(str(claim["experiment"])),
             words(str(claim["says"])),
             words(str(claim["bound"])),
             words(str(claim["measured"])),
@@ -146,8 +145,12 @@ def claims_table(claims: Sequence[Numbers]) -> PageTable:
         )
         for claim in claims
     )
-    columns = ("experiment", "claim", "agrees if", "measured", "verdict", "reason")
-    return PageTable("Claims and measurements", columns, rows)
+    columns = ("the chapter says", "agrees if", "measured", "verdict", "why")
+    note = (
+        "Agrees: the 95 % interval of what was measured lies within the bound. Differs: it lies outside. Cannot be told: "
+        "it reaches over the bound, or too few trials ended for an interval."
+    )
+    return PageTable("The chapter's claims", columns, rows, note)
 
 
 def trials_table(numbers: Numbers, tick: str) -> PageTable:
