@@ -1,7 +1,8 @@
 """The chapter's experiments as claims, each held against what a run of the experiment measured (Sec. 4.5).
 
-A claim agrees where the 95 % interval of what was measured lies within its bound, and differs where it lies outside.
-Where it reaches over the bound, or too few trials ended for an interval, the claim cannot be told.
+A claim that something is low, large or later agrees where the 95 % interval of what was measured lies within its
+bound; a claim that it is near a number, where what was measured lies that near. Both differ where the interval lies
+outside. Else, or where too few trials ended for an interval, the claim cannot be told.
 """
 
 from __future__ import annotations
@@ -18,17 +19,17 @@ from graspdsl.report.claim_words import median_of, rising, settling, share_of, w
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.intervals import median_interval, peak_interval
-from graspdsl.report.judgements import Judgement, Verdict, every, judged_share, judged_value
+from graspdsl.report.judgements import Judgement, Verdict, every, judged_near, judged_share, judged_value
 from graspdsl.report.mean_courses import SETTLED, MeanCourses, mean_courses
-from graspdsl.report.statistics import RIGHT_ANGLE, Mode, modes
+from graspdsl.report.statistics import RIGHT_ANGLE, Mode, median, modes
 from graspdsl.report.summary import numbers_of
 from graspdsl.report.wording import NOTHING, counted, percent
 
 # How exactly the chapter reads its figures: where it gives two decimals (0.45, 1.55) and else (0, 0.8, 1, π/2).
 HUNDREDTHS, TENTHS = 0.05, 0.1
-LOW_FORCE, LOW_MOMENT = 0.1, 0.005  # ‖ρ_f‖ (1) and ‖ρ_m‖ [m] of a good grasp
+LOW_FORCE, LOW_MOMENT = 0.3, 0.005  # ‖ρ_f‖ (1), the chapter's of good grasps; ‖ρ_m‖ [m], what specs ask for
 SIGNIFICANT = 0.1  # a share of grasps that is surely larger is no rarity
-SEVERAL = 2 / 58  # the least share that "trials", of 58, can be
+NO_RARITY = 0.01  # a share that is surely larger is not of single grasps
 SMALLER = 0.5  # of another share: a peak that is surely smaller is much smaller
 ITERATIONS = (750.0, 1250.0)  # "approximately 1000 (20 seconds)", at 50 Hz: 20 s to ten seconds are 15 to 25
 ONE_MODE = 0.8  # a share that is surely larger, as 27 of 28 show, is of one mode though one grasp strays
@@ -89,7 +90,7 @@ class _Run:
         if mode is None:
             return self.claim(says, bound, NOTHING, judged_value(None, None, 0, 0.0, 0.0))
         interval = peak_interval(self.ends, mode.low, mode.high)
-        near = judged_value(mode.centre, interval, len(mode.members), place - TENTHS, place + TENTHS)
+        near = judged_near(mode.centre, interval, len(mode.members), place - TENTHS, place + TENTHS)
         measured = f"{with_interval(mode.centre, interval, 'rad', 2)}; {share_of(len(mode.members), len(self.ended))}"
         return self.claim(says, bound, measured, every(near, *others))
 
@@ -113,10 +114,10 @@ def _two_contacts(run: _Run) -> Iterable[Claim]:
     aside = [run.ended[n] for mode in others if mode.centre < RIGHT_ANGLE - TENTHS for n in mode.members]
     yield run.claim(
         "There is a much smaller second peak, of grasps with a finger on the top.",
-        f"at least {percent(SEVERAL)} of grasps (2 of 58), at most {SMALLER:g} times those of the largest",
+        f"at least {percent(NO_RARITY)} of grasps, at most {SMALLER:g} times those of the largest",
         share_of(len(aside), len(run.ended)),
         every(
-            judged_share(len(aside), len(run.ended), SEVERAL),
+            judged_share(len(aside), len(run.ended), NO_RARITY),
             judged_share(len(aside), len(aside) + most, 0.0, SMALLER / (1 + SMALLER)),
         ),
         "grasps seldom end away from π/2, or too often",
@@ -126,7 +127,7 @@ def _two_contacts(run: _Run) -> Iterable[Claim]:
         "The second peak lies near 0.45 rad.",
         f"median of the grasps outside the largest peak within {HUNDREDTHS:g} rad of 0.45 rad",
         median_of(places, "rad", 2),
-        _median_within(places, 0.45 - HUNDREDTHS, 0.45 + HUNDREDTHS),
+        _median_near(places, 0.45 - HUNDREDTHS, 0.45 + HUNDREDTHS),
         "where such a trial ends depends on which link touches first, and on when the monitors end it",
     )
     yield run.low_residuals("Grasps in the main peak end with low force and moment residuals.", main)
@@ -136,7 +137,7 @@ def _two_contacts(run: _Run) -> Iterable[Claim]:
         "Residuals converge in about 1000 iterations at 50 Hz.",
         f"median {ITERATIONS[0]:g} to {ITERATIONS[1]:g}, as 20 s is to ten seconds",
         median_of(ticks, "ticks", 0),
-        _median_within(ticks, *ITERATIONS),
+        _median_near(ticks, *ITERATIONS),
         "iterations go as one over the gain, which the chapter does not state; ours is half a millimetre a tick for a "
         "unit net force",
     )
@@ -171,7 +172,7 @@ def _three_contacts(run: _Run) -> Iterable[Claim]:
         "Orientations at the start have a strong peak near 1 rad.",
         f"largest peak within {TENTHS:g} rad of 1 rad",
         with_interval(first.centre if first else None, interval, "rad", 2),
-        judged_value(first.centre if first else None, interval, len(starts), 1.0 - TENTHS, 1.0 + TENTHS),
+        judged_near(first.centre if first else None, interval, len(starts), 1.0 - TENTHS, 1.0 + TENTHS),
         "starts that the robot cannot take up are drawn again",
     )
     good = next((mode for mode in run.modes if mode.centre <= TENTHS), None)
@@ -182,9 +183,9 @@ def _three_contacts(run: _Run) -> Iterable[Claim]:
     force = run.of_mode(good, "force_residual_end")
     yield run.claim(
         "Grasps near 0 end with ‖ρ_f‖ < 0.3.",
-        "median ‖ρ_f‖ ≤ 0.3",
+        f"median ‖ρ_f‖ ≤ {LOW_FORCE:g}",
         f"‖ρ_f‖ = {median_of(force, '', 3)}",
-        _median_within(force, 0.0, 0.3),
+        _median_within(force, 0.0, LOW_FORCE),
     )
     stuck = [record for record in run.ended if 0.8 <= record["orientation_end"] <= RIGHT_ANGLE]
     yield run.claim(
@@ -199,7 +200,7 @@ def _three_contacts(run: _Run) -> Iterable[Claim]:
         "Those end with ‖ρ_f‖ near 1.55.",
         f"median ‖ρ_f‖ within {HUNDREDTHS:g} of 1.55",
         f"‖ρ_f‖ = {median_of(force, '', 2)}",
-        _median_within(force, 1.55 - HUNDREDTHS, 1.55 + HUNDREDTHS),
+        _median_near(force, 1.55 - HUNDREDTHS, 1.55 + HUNDREDTHS),
         "a finger on the top against two on opposite sides leaves 1; what is left depends on where the two have slid",
     )
     moments = 1e3 * run.of_mode(good, "moment_residual_end"), 1e3 * _measured(stuck, "moment_residual_end")
@@ -240,5 +241,8 @@ def _measured(records: Iterable[Numbers], field: str) -> Array:
 
 
 def _median_within(values: Array, low: float, high: float) -> Judgement:
-    median = float(np.median(values)) if len(values) else None
-    return judged_value(median, median_interval(values), len(values), low, high)
+    return judged_value(median(values), median_interval(values), len(values), low, high)
+
+
+def _median_near(values: Array, low: float, high: float) -> Judgement:
+    return judged_near(median(values), median_interval(values), len(values), low, high)

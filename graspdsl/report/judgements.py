@@ -68,6 +68,14 @@ def judged_value(value: float | None, interval: Interval | None, trials: int, lo
     return Judgement(verdict, trials, max(trials + 1, math.ceil(needed)) if needed <= MOST else None)
 
 
+def judged_near(value: float | None, interval: Interval | None, trials: int, low: float, high: float) -> Judgement:
+    """Whether a number is as near to another as the bounds say: by itself, and that it is not by its 95 % interval."""
+    judged = judged_value(value, interval, trials, low, high)
+    if value is None or interval is None or not low <= value <= high:
+        return judged
+    return Judgement(Verdict.AGREES, trials)
+
+
 def every(*judgements: Judgement) -> Judgement:
     """That all hold: one that differs decides, else the one that needs the most trials to be told."""
     for judgement in judgements:
