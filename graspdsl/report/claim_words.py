@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.report.intervals import Interval, median_interval
+from graspdsl.report.intervals import FEWEST, Interval, median_interval, share_interval
 from graspdsl.report.judgements import Judgement, Verdict
 from graspdsl.report.mean_courses import SETTLED, MeanCourses
-from graspdsl.report.statistics import wilson
 from graspdsl.report.wording import NOTHING, counted, number, percent, percents
 
+ENDED = "that ended in contact"
 MARKS = {Verdict.AGREES: "✓ agrees", Verdict.DIFFERS: "✗ differs", Verdict.UNTOLD: "? cannot be told"}
 
 
@@ -29,11 +29,11 @@ def median_of(values: Array, unit: str, digits: int) -> str:
     return with_interval(float(np.median(values)) if len(values) else None, median_interval(values), unit, digits)
 
 
-def share_of(part: int, whole: int) -> str:
+def share_of(part: int, whole: int, of: str = ENDED) -> str:
     """A share in percent, its interval, and of how many grasps."""
     if not whole:
         return NOTHING
-    return f"{percent(part / whole)} ({percents(wilson(part, whole))}) of {whole} that ended in contact"
+    return f"{percent(part / whole)} ({percents(share_interval(part, whole))}) of {whole} {of}"
 
 
 def settling(found: MeanCourses) -> str:
@@ -60,8 +60,8 @@ def why_untold(judgement: Judgement, whole: int) -> str:
     there = f"{counted(judgement.trials, 'such trial', 'such trials')} cannot tell"
     if judgement.needed is None:
         return f"{there}, nor would more like them"
+    about = "at least" if judgement.trials < FEWEST else "about"
     if judgement.trials in (0, whole):
-        return f"{there}: about {judgement.needed} can"
-    return (
-        f"{there}: about {judgement.needed} can, in a run of {math.ceil(judgement.needed * whole / judgement.trials)}"
-    )
+        return f"{there}: {about} {judgement.needed} can"
+    run = math.ceil(judgement.needed * whole / judgement.trials)
+    return f"{there}: {about} {judgement.needed} can, in a run of {run}"

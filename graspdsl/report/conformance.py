@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.report.claim_words import median_of, rising, settling, share_of, why_untold, with_interval
+from graspdsl.report.claim_words import ENDED, median_of, rising, settling, share_of, why_untold, with_interval
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.intervals import median_interval, peak_interval
@@ -82,16 +82,35 @@ class _Run:
         """A number of a mode's trials, where it was measured; of no mode, none."""
         return _measured([self.ended[place] for place in mode.members] if mode else [], field)
 
+    def largest_near(self, says: str, angles: Array, place: float, said: str, of: str = ENDED) -> Claim:
+        """Whether the largest mode of angles (n,) has its peak near an angle [rad]: that the nearest one is there, and
+        has no fewer trials than any other."""
+        found = modes(angles)
+        nearest = min(found, key=lambda mode: abs(mode.centre - place), default=None)
+        held = len(nearest.members) if nearest else 0
+        other = max((len(mode.members) for mode in found if mode is not nearest), default=0)
+        largest = judged_share(held, held + other, 0.5)
+        return self.peak_near(says, angles, nearest, place, said, largest, also=", no fewer than in any other", of=of)
+
     def peak_near(
-        self, says: str, mode: Mode | None, place: float, said: str, *others: Judgement, also: str = ""
+        self,
+        says: str,
+        angles: Array,
+        mode: Mode | None,
+        place: float,
+        said: str,
+        *others: Judgement,
+        also: str = "",
+        of: str = ENDED,
     ) -> Claim:
-        """Whether a mode's peak is near an angle [rad], and what else is judged of it, said in ``also``."""
+        """Whether a mode of angles (n,) has its peak near an angle [rad], and what else is judged of it, said in
+        ``also``."""
         bound = f"within {TENTHS:g} rad of {said}{also}"
         if mode is None:
             return self.claim(says, bound, NOTHING, judged_value(None, None, 0, 0.0, 0.0))
-        interval = peak_interval(self.ends, mode.low, mode.high)
+        interval = peak_interval(angles, mode.low, mode.high)
         near = judged_near(mode.centre, interval, len(mode.members), place - TENTHS, place + TENTHS)
-        measured = f"{with_interval(mode.centre, interval, 'rad', 2)}; {share_of(len(mode.members), len(self.ended))}"
+        measured = f"{with_interval(mode.centre, interval, 'rad', 2)}; {share_of(len(mode.members), len(angles), of)}"
         return self.claim(says, bound, measured, every(near, *others))
 
     def low_residuals(self, says: str, mode: Mode | None) -> Claim:
@@ -106,11 +125,9 @@ class _Run:
 
 
 def _two_contacts(run: _Run) -> Iterable[Claim]:
+    yield run.largest_near("The largest peak of orientations at the end is near π/2.", run.ends, RIGHT_ANGLE, "π/2")
     main, others = next(iter(run.modes), None), run.modes[1:]
-    most, second = (len(mode.members) if mode else 0 for mode in (main, others[0] if others else None))
-    largest = judged_share(most, most + second, 0.5)
-    says = "The largest peak of orientations at the end is near π/2."
-    yield run.peak_near(says, main, RIGHT_ANGLE, "π/2", largest, also=", no fewer grasps than in the next peak")
+    most = len(main.members) if main else 0
     aside = [run.ended[n] for mode in others if mode.centre < RIGHT_ANGLE - TENTHS for n in mode.members]
     yield run.claim(
         "There is a much smaller second peak, of grasps with a finger on the top.",
@@ -166,20 +183,14 @@ def _courses(run: _Run, mode: Mode | None) -> Iterable[Claim]:
 
 def _three_contacts(run: _Run) -> Iterable[Claim]:
     starts = _measured(run.numbers["records"], "orientation_start")
-    first = next(iter(modes(starts)), None)
-    interval = peak_interval(starts, first.low, first.high) if first else None
-    yield run.claim(
-        "Orientations at the start have a strong peak near 1 rad.",
-        f"largest peak within {TENTHS:g} rad of 1 rad",
-        with_interval(first.centre if first else None, interval, "rad", 2),
-        judged_near(first.centre if first else None, interval, len(starts), 1.0 - TENTHS, 1.0 + TENTHS),
-        "starts that the robot cannot take up are drawn again",
+    yield run.largest_near(
+        "Orientations at the start have a strong peak near 1 rad.", starts, 1.0, "1 rad", "that began"
     )
     good = next((mode for mode in run.modes if mode.centre <= TENTHS), None)
     peak = good or next(iter(run.modes), None)
     share = judged_share(len(peak.members) if peak else 0, len(run.ended), SIGNIFICANT)
     says = "Orientations at the end have a peak near 0."
-    yield run.peak_near(says, peak, 0.0, "0", share, also=f", at least {percent(SIGNIFICANT)} of grasps")
+    yield run.peak_near(says, run.ends, peak, 0.0, "0", share, also=f", at least {percent(SIGNIFICANT)} of grasps")
     force = run.of_mode(good, "force_residual_end")
     yield run.claim(
         "Grasps near 0 end with ‖ρ_f‖ < 0.3.",
@@ -223,7 +234,7 @@ def _bottle(run: _Run) -> Iterable[Claim]:
         judged_share(held, len(run.ended), ONE_MODE),
         "some grasps were stuck before",
     )
-    yield run.peak_near("The grasp is perpendicular to the major axis.", main, RIGHT_ANGLE, "π/2")
+    yield run.largest_near("The grasp is perpendicular to the major axis.", run.ends, RIGHT_ANGLE, "π/2")
     yield run.low_residuals("Grasps end with low force and moment residuals.", main)
 
 

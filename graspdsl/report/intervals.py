@@ -1,19 +1,28 @@
-"""Intervals of 95 % without a model of the values: of a median, of a density's peak, and from resamples."""
+"""Intervals of 95 % without a model of the values: of a share, a median, a density's peak, and from resamples."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
+from scipy import stats
 
 from graspdsl.arrays import Array
 from graspdsl.report.statistics import RIGHT_ANGLE, bandwidth, density
 
-RESAMPLES = 2000
+RESAMPLES, AT_ONCE = 2000, 50  # so that those of very many trials do not fill the memory
 BOOTSTRAP_SEED = 0  # an interval is the same whenever it is made
 FEWEST = 6  # the range of n values covers their median with 1 − 2^(1−n): 95 % only from six on
 
 Interval = tuple[float, float]
+
+
+def share_interval(part: float, whole: float) -> Interval:
+    """The interval of a share after Clopper and Pearson 1934: each end is passed with a chance of at most 2.5 %."""
+    low = float(stats.beta.ppf(0.025, part, whole - part + 1.0)) if part > 0.0 else 0.0
+    high = float(stats.beta.ppf(0.975, part + 1.0, whole - part)) if part < whole else 1.0
+    return low, high
 
 
 def median_interval(values: Array) -> Interval | None:
@@ -44,14 +53,15 @@ def peak_interval(values: Array, low: float, high: float) -> Interval | None:
     grid = grid[(grid >= low) & (grid <= high)]
     width = bandwidth(values)
     kernels = np.column_stack([density(np.array([value]), grid, width) for value in values])
-    peaks = grid[np.argmax(kernels @ drawn_again(len(values)).T, axis=0)]
-    return percentile_interval(peaks)
+    peaks = [grid[np.argmax(kernels @ drawn.T, axis=0)] for drawn in drawn_again(len(values))]
+    return percentile_interval(np.concatenate(peaks))
 
 
-def drawn_again(count: int) -> Array:
-    """How often each of so many trials is drawn in each resample: (RESAMPLES, count)."""
+def drawn_again(count: int) -> Iterator[Array]:
+    """How often each of so many trials is drawn in each of RESAMPLES resamples: (AT_ONCE, count) at a time."""
     random = np.random.default_rng(BOOTSTRAP_SEED)
-    return random.multinomial(count, np.full(count, 1.0 / count), size=RESAMPLES).astype(float)
+    for _ in range(RESAMPLES // AT_ONCE):
+        yield random.multinomial(count, np.full(count, 1.0 / count), size=AT_ONCE).astype(float)
 
 
 def percentile_interval(resampled: Array) -> Interval:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 from enum import StrEnum
 
-from graspdsl.report.intervals import FEWEST, Interval
-from graspdsl.report.statistics import wilson
+from graspdsl.report.intervals import FEWEST, Interval, share_interval
 
 MOST = 100_000  # trials that anyone may be asked for
 
@@ -33,20 +33,19 @@ class Judgement:
 
 
 def judged_share(successes: int, count: int, low: float, high: float = 1.0) -> Judgement:
-    """Whether a share lies between two bounds: by where its 95 % Wilson interval lies.
+    """Whether a share lies between two bounds: by where its exact 95 % interval lies.
 
     Of no trials at all, ``needed`` is how many could agree at best.
     """
-    verdict = _placed(wilson(successes, count), low, high)
+    verdict = _placed(share_interval(successes, count), low, high) if count else Verdict.UNTOLD
     if verdict is not Verdict.UNTOLD:
         return Judgement(verdict, count)
-    tries = range(count + 1, MOST + 1)
-    if count == 0:
-        told = (n for n in tries if any(_placed(wilson(k, n), low, high) is Verdict.AGREES for k in range(n + 1)))
-    else:
-        scaled = ((n, round(successes * n / count)) for n in tries)
-        told = (n for n, k in scaled if _placed(wilson(k, n), low, high) is not Verdict.UNTOLD)
-    return Judgement(verdict, count, next(told, None))
+    share = successes / count if count else (1.0 if high == 1.0 else low)
+
+    def told(trials: int) -> bool:
+        return _placed(share_interval(share * trials, trials), low, high) is not Verdict.UNTOLD
+
+    return Judgement(verdict, count, bisect_left(range(MOST + 1), True, lo=count + 1, key=told) if told(MOST) else None)
 
 
 def judged_value(value: float | None, interval: Interval | None, trials: int, low: float, high: float) -> Judgement:
@@ -63,8 +62,9 @@ def judged_value(value: float | None, interval: Interval | None, trials: int, lo
         sides = [(value - interval[0], value - low), (interval[1] - value, high - value)]
     else:
         sides = [(value - interval[0], value - high)] if value > high else [(interval[1] - value, low - value)]
-    ratios = [math.inf if gap <= 0.0 else width / gap for width, gap in sides if width > 0.0]
-    needed = trials * max(ratios, default=math.inf) ** 2
+    if not all(math.isfinite(width) and gap > 0.0 for width, gap in sides):
+        return Judgement(verdict, trials)
+    needed = trials * max(width / gap for width, gap in sides) ** 2
     return Judgement(verdict, trials, max(trials + 1, math.ceil(needed)) if needed <= MOST else None)
 
 
@@ -77,12 +77,12 @@ def judged_near(value: float | None, interval: Interval | None, trials: int, low
 
 
 def every(*judgements: Judgement) -> Judgement:
-    """That all hold: one that differs decides, else the one that needs the most trials to be told."""
+    """That all hold: one that differs decides, else the one that takes the largest run to be told."""
     for judgement in judgements:
         if judgement.verdict is Verdict.DIFFERS:
             return judgement
     untold = [judgement for judgement in judgements if judgement.verdict is Verdict.UNTOLD]
-    return max(untold or judgements, key=lambda judgement: judgement.needed or MOST)
+    return max(untold or judgements, key=lambda judgement: (judgement.needed or MOST) / max(judgement.trials, 1))
 
 
 def _placed(interval: Interval, low: float, high: float) -> Verdict:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from graspdsl.arrays import Array
 from graspdsl.report.bands import held_to_the_longest
@@ -21,8 +22,10 @@ class MeanCourses:
     """The mean force and moment residuals of some trials by tick, each trial keeping its last value.
 
     ``settled``: the first ticks at which they are SETTLED down, None for one that does not fall. lag: by how many ticks
-    the moment is later, −∞ where one of them does not fall. rise: the largest rise of the force above what it was, over
-    where it starts. Intervals are of trials drawn again, None for fewer than FEWEST.
+    the moment is later, −∞ where one of them does not fall, with an interval of trials drawn again. rise: how far the
+    mean force rises, over where it starts: between the two ticks at which the mean of one half of the trials rises
+    most, that of the other half, so that what is only scatter does not count; with Student's interval. Intervals are
+    None for fewer than FEWEST trials.
     """
 
     trials: int
@@ -41,21 +44,22 @@ def mean_courses(courses: Sequence[Course]) -> MeanCourses | None:
     force, moment = (held_to_the_longest([getattr(course, kind) for course in whole]) for kind in ("force", "moment"))
     count = len(whole)
     means = force.mean(axis=0), moment.mean(axis=0)
-    lags, rises = None, None
+    rises = rises_of_others(force)
+    lags, risen = None, None
     if count >= FEWEST:
-        again = [(row @ force, row @ moment) for row in drawn_again(count) / count]
-        lags = percentile_interval(np.array([lag_of(*pair) for pair in again]))
-        rises = percentile_interval(np.array([rise_of(first) for first, _ in again]))
+        again = ((drawn @ force, drawn @ moment) for drawn in drawn_again(count))
+        lags = percentile_interval(np.array([lag_of(*pair) for pairs in again for pair in zip(*pairs, strict=True)]))
+        risen = _student(rises)
     settled = settled_at(means[0]), settled_at(means[1])
-    return MeanCourses(count, settled, lag_of(*means), lags, rise_of(means[0]), rises)
+    return MeanCourses(count, settled, lag_of(*means), lags, float(rises.mean()), risen)
 
 
 def settled_at(course: Array) -> int | None:
-    """The first tick at which a course (t,) has fallen most of the way from its start to its end; None: it does not."""
+    """The first tick from which on a course (t,) has fallen most of the way from its start to its end; None: never."""
     if not course[-1] < course[0]:
         return None
     bound = course[-1] + (1.0 - SETTLED) * (course[0] - course[-1])
-    return int(np.argmax(course <= bound))
+    return int(np.flatnonzero(course > bound)[-1]) + 1
 
 
 def lag_of(force: Array, moment: Array) -> float:
@@ -64,10 +68,26 @@ def lag_of(force: Array, moment: Array) -> float:
     return -math.inf if first is None or then is None else float(then - first)
 
 
-def rise_of(course: Array) -> float:
-    """The largest rise of a course (t,) above the least that it was before, over where it starts."""
-    rise = float((course - np.minimum.accumulate(course)).max())
-    return 0.0 if rise == 0.0 else rise / float(course[0]) if course[0] > 0.0 else math.inf
+def rises_of_others(courses: Array) -> Array:
+    """How far each of courses (n, t) rises where the mean of the other half rises most, (n,), over their mean start."""
+    rises, halves = np.zeros(len(courses)), (slice(0, None, 2), slice(1, None, 2))
+    for half, other in (halves, halves[::-1]):
+        if len(courses[other]):
+            first, last = _steepest(courses[other].mean(axis=0))
+            rises[half] = courses[half, last] - courses[half, first]
+    start = float(courses[:, 0].mean())
+    return rises / start if start > 0.0 else np.where(rises > 0.0, math.inf, 0.0)
+
+
+def _steepest(course: Array) -> tuple[int, int]:
+    """The ticks between which a course (t,) rises most, from the least that it was before."""
+    last = int(np.argmax(course - np.minimum.accumulate(course)))
+    return int(np.argmin(course[: last + 1])), last
+
+
+def _student(values: Array) -> Interval:
+    half = float(stats.t.ppf(0.975, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
+    return float(values.mean()) - half, float(values.mean()) + half
 
 
 def _is_whole(course: Course) -> bool:

@@ -13,6 +13,7 @@ from graspdsl.report.intervals import (
     median_interval,
     peak_interval,
     percentile_interval,
+    share_interval,
 )
 
 
@@ -27,6 +28,13 @@ def test_the_median_s_interval_is_the_narrowest_that_covers(count: int) -> None:
     low, high = found
     assert low + high == count - 1
     assert stats.binom.cdf(low, count, 0.5) <= 0.025 < stats.binom.cdf(low + 1, count, 0.5)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 28, 58, 400])
+def test_a_share_s_interval_is_exact(count: int) -> None:
+    for part in range(count + 1):
+        found = stats.binomtest(part, count).proportion_ci(0.95, method="exact")
+        assert share_interval(part, count) == pytest.approx((found.low, found.high), abs=1e-9)
 
 
 def test_a_peak_s_interval_holds_the_peak() -> None:
@@ -51,7 +59,7 @@ def test_a_peak_of_equal_angles_is_there() -> None:
 
 
 def test_each_resample_draws_as_many_as_there_are() -> None:
-    drawn = drawn_again(7)
+    drawn = np.concatenate(list(drawn_again(7)))
     assert drawn.shape == (RESAMPLES, 7)
     assert (drawn.sum(axis=1) == 7).all()
     scatter = np.sqrt(7 * (1 / 7) * (6 / 7) / RESAMPLES)  # of the mean count of each
