@@ -20,8 +20,12 @@ def with_interval(value: float | None, interval: Interval | None, unit: str, dig
     """A number and where its interval ends, if it has one."""
     if value is None or interval is None:
         return number(value, unit, digits)
-    low, high = (f"{end:.{digits}f}".replace("inf", "∞").replace("-", "−") for end in interval)
-    return f"{number(value, unit, digits)} ({low} to {high})"
+    low, high = (_rounded(end, digits) for end in interval)
+    return f"{_rounded(value, digits)} {unit}".rstrip() + f" ({low} to {high})"
+
+
+def _rounded(value: float, digits: int) -> str:
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("inf", "∞").replace("-", "−")  # zero has no sign
 
 
 def median_of(values: Array, unit: str, digits: int) -> str:
