@@ -148,8 +148,8 @@ def claims_table(claims: Sequence[Numbers]) -> PageTable:
     columns = ("the chapter says", "agrees if", "measured", "verdict", "why")
     note = (
         "Agrees: the 95 % interval of what was measured lies within the bound; where the chapter has a number, what "
-        "was measured is as near. Differs: the interval lies outside. Cannot be told: neither, or too few trials ended. "
-        "Intervals of shares are those of Clopper and Pearson here."
+        "was measured is as near. Differs: the interval lies outside. Cannot be told: neither, or too few trials "
+        "ended. Intervals of shares are those of Clopper and Pearson here."
     )
     return PageTable("The chapter's claims", columns, rows, note)
 

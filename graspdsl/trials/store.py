@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import re
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
@@ -15,7 +16,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, TypeAdapter
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
 from graspdsl.spec.trials import MOST_TRIALS
@@ -26,6 +27,7 @@ from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, r
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
 FILES = COPIES  # of those that the spec names
 LARGEST_TABLE, LONGEST_VALUE = 1024**3, 1024**2  # bytes of the table's file and of one value in it
+_TABLE_OF_ANOTHER_VERSION = re.compile(r"CREATE TABLE trials \((\w+(?:, \w+)*), PRIMARY KEY \(number\)\)")
 _TABLE_MADE_BY = f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))"
 
 
@@ -139,7 +141,12 @@ class RunFolder:
     def _rows(self, table: sqlite3.Connection) -> list[tuple[object, ...]]:
         made_by = [sql for (sql,) in table.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL LIMIT 2")]
         if made_by != [_TABLE_MADE_BY]:  # a view or a trigger could do anything
-            raise self._damaged(TABLE, "it does not hold the one table that a run makes")
+            other = _TABLE_OF_ANOTHER_VERSION.fullmatch(made_by[0]) if len(made_by) == 1 else None
+            if other is None:
+                raise self._damaged(TABLE, "it does not hold the one table that a run makes")
+            differing = sorted(set(other[1].split(", ")) ^ set(COLUMNS))
+            message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {listed(differing)}"
+            raise _refused("run-differs", message, "read it with the version that made it, or run its spec again")
         query = f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number LIMIT {MOST_TRIALS + 1}"
         return table.execute(query).fetchall()
 

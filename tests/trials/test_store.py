@@ -228,7 +228,6 @@ def test_rows_that_no_trial_has(column: str, value: object, reason: str, folder:
     [
         "CREATE TRIGGER t AFTER INSERT ON trials BEGIN DELETE FROM trials; END",
         "ALTER TABLE trials RENAME TO others",
-        "ALTER TABLE trials ADD COLUMN more",
         "DROP TABLE trials",
     ],
 )
@@ -236,6 +235,16 @@ def test_tables_that_no_run_makes(statement: str, folder: RunFolder) -> None:
     _alter(folder, statement)
     message = "this run is damaged: its trials.sqlite cannot be read: it does not hold the one table that a run makes"
     assert _refusal(folder.path) == ("run-damaged", message)
+
+
+def test_a_table_of_another_version(folder: RunFolder) -> None:
+    """Its columns are others: nothing is damaged."""
+    with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table, table:
+        [made_by] = table.execute("SELECT sql FROM sqlite_master WHERE type = 'table'").fetchone()
+        table.execute("DROP TABLE trials")
+        table.execute(made_by.replace(", tare_s", ", age"))
+    message = "this run was made by another version of graspdsl, whose trials.sqlite differs in age and tare_s"
+    assert _refusal(folder.path) == ("run-differs", message)
 
 
 def test_a_view_that_never_ends_is_not_read(folder: RunFolder) -> None:
