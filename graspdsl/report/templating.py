@@ -33,5 +33,6 @@ def rendered(template: str, **values: object) -> str:
 
 
 def notation(text: str) -> Markup:
-    """Text as HTML, with the indices of residuals lowered: ρ_f, ε_m."""
-    return Markup(re.sub(r"([ρε])_(\w)", r"\1<sub>\2</sub>", str(escape(text))))
+    """Text as HTML, with the indices of residuals lowered, ρ_f, ε_m, and numbers kept beside their units."""
+    whole = re.sub(r"(?<=\d) (?=%|(?:rad|mm|s|N|Hz)\b)", "\N{NO-BREAK SPACE}", str(escape(text)))
+    return Markup(re.sub(r"([ρε])_(\w)", r"\1<sub>\2</sub>", whole))
