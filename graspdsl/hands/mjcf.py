@@ -183,7 +183,7 @@ class _Conversion:
 
     def _geom(self, geom: Part, link: ElementTree.Element, about: Pose, moved: Array) -> None:
         check_inside(self._source, geom.element)
-        touches = any(int(geom.number(mask, "1")) & 1 for mask in ("contype", "conaffinity"))
+        touches = (geom.mask("contype", "1") | geom.mask("conaffinity", "1")) & 1
         for solid in solids_of(geom, self._angles):
             pose = about.then(solid.pose)
             for use in ("visual", "collision") if touches else ("visual",):

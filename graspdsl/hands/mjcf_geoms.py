@@ -28,7 +28,7 @@ def solids_of(geom: Part, angles: Angles) -> list[GeomSolid]:
     """The solids of a geom, three of a capsule. Raises DiagnosticError for a kind that is not read."""
     kind = geom.attributes.get("type", "sphere")
     if kind not in SIZES:
-        message = f"a geom that is a {kind} is not read: only {listed(SIZES)}"
+        message = f"a geom of type {kind!r} is not read: only {listed(SIZES)}"
         raise geom.refused(message, HINTS["mesh"])
     drawn = "fromto" in geom.attributes
     if drawn and kind == "sphere":

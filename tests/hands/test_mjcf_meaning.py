@@ -190,7 +190,10 @@ def test_geoms_between_two_points() -> None:
     np.testing.assert_allclose([place(one), place(other)], ends, atol=1e-9)
 
 
-@pytest.mark.parametrize(("masks", "touches"), [((1, 1), 1), ((0, 1), 1), ((3, 0), 1), ((0, 0), 0), ((2, 2), 0)])
+@pytest.mark.parametrize(
+    ("masks", "touches"),
+    [((1, 1), 1), ((0, 1), 1), ((3, 0), 1), ((0, 0), 0), ((2, 2), 0), ((2**31 - 1, 0), 1), ((-(2**31), -2), 0)],
+)
 def test_a_geom_touches_what_its_masks_let_it(masks: tuple[int, int], touches: int) -> None:
     link = found(model(f'<geom size="0.1" contype="{masks[0]}" conaffinity="{masks[1]}"/>').tree, "link")
     assert (len(link.findall("collision")), len(link.findall("visual"))) == (touches, 1)

@@ -23,10 +23,13 @@ INERTIALS = {
 IN_BODY = {
     '<geom type="mesh" mesh="a"/>': "mesh",
     '<geom mesh="a"/>': "its mesh is not read",
-    '<geom type="ellipsoid" size="1 1 1"/>': "a geom that is a ellipsoid is not read",
+    '<geom type="ellipsoid" size="1 1 1"/>': "a geom of type 'ellipsoid' is not read: only sphere",
     '<geom size="big"/>': "its size is 'big'",
     '<geom size="nan"/>': "its size is 'nan'",
     "<geom/>": "its size is ''",
+    '<geom size="0_1"/>': "its size is '0_1'",
+    '<geom size="1" contype="1.5"/>': "its contype is '1.5'",
+    '<geom size="1" conaffinity="4294967296"/>': "its conaffinity is '4294967296'",
     '<geom type="capsule" size="0.1"/>': "its size is '0.1'",
     '<geom size="-1"/>': "not positive",
     '<geom size="1" fromto="0 0 0 0 0 1"/>': "a sphere has no fromto",
@@ -76,6 +79,23 @@ BEFORE = {f'<compiler {key}="true"/>': f"{key}='true' would change the hand" for
     f'<worldbody><body name="z">{INERTIAL}</body></worldbody>': "the world has 2 bodies",
 }
 
+HUGE = {
+    f'<body name="e" {turn}>{INERTIAL}</body>': f"its {turn.partition('=')[0]} is"
+    for turn in (
+        *('quat="1e300 1e300 0 0"', 'euler="1e308 1e308 0"', 'axisangle="0 0 1 1e308"', 'axisangle="1e308 1e308 0 1"'),
+        *('xyaxes="1e308 0 0 1e308 1e308 0"', 'zaxis="1e308 1e308 1e308"', 'pos="0 0 1.1e6"', 'pos="1e400 0 0"'),
+    )
+} | {
+    '<geom type="capsule" size=".01" fromto="1e308 0 0 -1e308 0 0"/>': "its fromto is",
+    '<geom type="box" size="1e308 1e308 1e308"/>': "its size is",
+    '<joint axis="1e200 1e200 1e200"/>': "its axis is",
+    '<joint range="-1e308 1e308"/>': "its range is",
+    '<joint damping="1e308"/>': "its damping is",
+    '<body name="e"><inertial mass="1e308" diaginertia="1 1 1"/></body>': "its mass is",
+    '<body name="e"><inertial mass="1" diaginertia="1e308 1e308 1e308"/></body>': "its diaginertia is",
+    '<body name="e"><inertial mass="1" fullinertia="1e308 1e308 1e308 1e308 0 0"/></body>': "its fullinertia is",
+}
+
 
 def complaint(text: str) -> str:
     """The one thing that is said of a file."""
@@ -98,6 +118,12 @@ def test_in_a_body(inside: str, words: str) -> None:
     message = complaint(within(INERTIAL + inside))
     assert words in message
     assert message.startswith(("x.xml:1:", "x.xml:2:"))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("inside", "words"), HUGE.items(), ids=HUGE)
+def test_numbers_are_bounded_before_geometry_is_made_of_them(inside: str, words: str) -> None:
+    assert words in complaint(within(INERTIAL + inside))
 
 
 @pytest.mark.parametrize(("inside", "words"), INERTIALS.items(), ids=INERTIALS)
