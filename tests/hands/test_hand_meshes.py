@@ -16,7 +16,7 @@ from graspdsl.hands.mesh_check import LARGEST
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
-from .models import SPEC, URDF, changed, write
+from .models import HAND, SPEC, URDF, changed, write
 
 TUBE = '<cylinder radius="0.01" length="0.02"/>'
 BALL = '<sphere radius="0.01"/>'
@@ -69,6 +69,25 @@ def test_a_drawing_in_collada_is_left_out_with_a_warning(tmp_path: Path) -> None
     assert (fault.code, fault.severity) == ("undrawn-mesh", Severity.WARNING)
     assert examination.program is not None
     assert "part.dae" not in examination.program.robot.models[1]
+
+
+def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
+    """The hand file at the root of the package, model and meshes in folders of it."""
+    root = tmp_path / "robotiq"
+    for folder in ("urdf", "meshes"):
+        (root / folder).mkdir(parents=True)
+    (root / "meshes" / "a.stl").write_bytes(STL)
+    (root / "urdf" / "two.urdf").write_text(_urdf(TUBE, "package://robotiq/meshes/a.stl"), encoding="utf-8")
+    (root / "hand.yaml").write_text(changed(HAND, ("two.urdf", "urdf/two.urdf")), encoding="utf-8")
+    for folder, name in ((root, "hand.yaml"), (tmp_path, "robotiq/hand.yaml")):
+        assert f'filename="{root.resolve() / "meshes" / "a.stl"}"' in hand_in(SpecFolder(folder), name).model
+    (root / "meshes" / "a.stl").unlink()
+    with pytest.raises(HandFileError) as caught:
+        hand_in(SpecFolder(root), "hand.yaml")
+    (fault,) = caught.value.diagnostics
+    assert fault.code == "file-not-found"
+    assert fault.span is not None
+    assert fault.span.line == 2
 
 
 @pytest.mark.parametrize(("name", "content"), [("part.stl", STL), ("PART.STL", STL), ("part.obj", OBJ)])
