@@ -47,6 +47,11 @@ def solids_of(geom: Part, angles: Angles) -> list[GeomSolid]:
     return _solids(kind, size, pose)
 
 
+def weighs(geom: Part) -> bool:
+    """Whether a geom gives its body mass where that has no inertia of its own: unless it says otherwise, it does."""
+    return geom.number("mass" if "mass" in geom.attributes else "density", "1000") != 0.0
+
+
 def _between(geom: Part) -> tuple[Pose, float]:
     """Where a geom between two points is, and half of its length [m]: its z axis goes to the first of them."""
     ends = geom.numbers("fromto", "", 6).reshape(2, 3)

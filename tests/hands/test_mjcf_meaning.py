@@ -176,6 +176,23 @@ def test_a_geom_keeps_of_its_defaults_what_it_does_not_say() -> None:
     np.testing.assert_allclose(turn(second), about(Z, 90.0), atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("before", "inside"),
+    [
+        ("", ""),
+        ("", '<site name="s"/><geom size="0.01" mass="0"/>'),
+        ("", '<geom size="0.01" density="0"/>'),
+        ("", '<geom size="0.01" mass="0" density="5"/>'),
+        ('<default><geom mass="0"/></default>', '<frame><geom size="0.01"/></frame>'),
+        ('<compiler inertiafromgeom="false"/>', '<geom size="0.01"/>'),
+    ],
+)
+def test_a_fixed_body_may_be_without_mass(before: str, inside: str) -> None:
+    found_model = model(f'<body name="b">{INERTIAL}<joint name="j"/><body name="tip">{inside}</body></body>', before)
+    for link, mass in (("tip", 0.0), ("b", 0.1)):
+        assert float(found(found_model.tree, f"link[@name='{link}']/inertial/mass").get("value", "")) == mass
+
+
 def test_geoms_between_two_points() -> None:
     ends = np.array([0.0, 0.0, 0.01]), np.array([0.03, 0.04, 0.13])
     text = " ".join(str(end) for end in np.concatenate(ends))
@@ -203,7 +220,8 @@ def test_what_changes_nothing_is_left_out() -> None:
     before = (
         '<compiler coordinate="local" meshdir="a" inertiafromgeom="auto" boundmass="0.0" fusestatic="true"/>'
         '<option timestep="0.001"/><visual/><asset><material name="m"/></asset><actuator><motor joint="j"/></actuator>'
-        '<contact><exclude body1="palm" body2="c"/></contact><equality><joint joint1="j"/></equality>'
+        '<contact><exclude body1="palm" body2="c"/>'
+        '<exclude body1="world" body2="c"/></contact><equality><joint joint1="j"/></equality>'
     )
     inside = (
         f'<body name="b" gravcomp="0">{INERTIAL}<joint name="j" armature="0" stiffness="0.0" springref="3"/>'

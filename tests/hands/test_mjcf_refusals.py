@@ -18,7 +18,11 @@ INERTIALS = {
     '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1" fullinertia="1 1 1 0 0 0"/>': "2 inertias",
     '<inertial pos="0 0 0" mass="1" euler="0 0 9" fullinertia="1 1 1 0 0 0"/>': "fullinertia and is turned",
     INERTIAL * 2: "2 <inertial>",
-    "<geom size='0.1'/>": "no <inertial>",
+    "<geom size='0.1'/>": "no <inertial>, and geoms that weigh",
+    "<geom size='0.1' contype='0' conaffinity='0'/>": "no <inertial>, and geoms that weigh",
+    "<geom size='0.1' mass='0'/><frame><geom size='0.1' density='2'/></frame>": "no <inertial>, and geoms that weigh",
+    "<geom size='0.1' mass='2' density='0'/>": "no <inertial>, and geoms that weigh",
+    "<joint/>": "moves and has no <inertial>",
 }
 IN_BODY = {
     '<geom type="mesh" mesh="a"/>': "mesh",
@@ -46,7 +50,9 @@ IN_BODY = {
     '<joint type="ball"/>': "neither a hinge nor a slide",
     '<joint axis="0 0 0"/>': "its axis gives no direction",
     '<joint limited="yes"/>': "its limited is 'yes'",
-    '<joint limited="true"/>': "leaves no room",
+    '<joint limited="true"/>': "it is limited and has no range",
+    '<joint limited="true" range="0 0"/>': "leaves no room: 0.0 0.0",
+    '<joint actuatorfrclimited="true"/>': "it is actuatorfrclimited and has no actuatorfrcrange",
     '<joint range="2 1"/>': "leaves no room",
     '<joint damping="-1"/>': "its damping is negative",
     '<joint actuatorfrcrange="-1 2"/>': "not as strong either way",
@@ -75,6 +81,8 @@ BEFORE = {f'<compiler {key}="true"/>': f"{key}='true' would change the hand" for
     "<contact><pair/></contact>": "<pair> in <contact> is not read",
     '<contact><exclude body1="a" body2="d"/></contact>': "a and d are more than 2 joints apart",
     '<contact><exclude body1="a" body2="z"/></contact>': "no such pair of bodies: a and z",
+    '<contact><exclude body1="world" body2="z"/></contact>': "no such pair of bodies: world and z",
+    '<default><geom euler="0 0 9"/><default class="q"><geom quat="1 0 0 0"/></default></default>': "a quat and its",
     '<worldbody><geom type="box" size="1 1 1"/></worldbody>': "belongs to the world",
     f'<worldbody><body name="z">{INERTIAL}</body></worldbody>': "the world has 2 bodies",
 }
@@ -134,6 +142,38 @@ def test_inertias(inside: str, words: str) -> None:
 @pytest.mark.parametrize(("before", "words"), BEFORE.items(), ids=BEFORE)
 def test_before_the_bodies(before: str, words: str) -> None:
     assert words in complaint(within(INERTIAL + "<joint/>", before))
+
+
+@pytest.mark.parametrize("key", ["euler", "axisangle", "xyaxes", "zaxis"])
+def test_a_quaternion_is_not_mixed_with_another_turn_of_its_class(key: str) -> None:
+    """MuJoCo 3.1.6 turns the geom as the class says, 4.0.0 as the geom does; the other way round they agree."""
+    before = f'<default><default class="k"><geom type="box" size="1 1 1" {key}="0 0 1"/></default></default>'
+    message = complaint(within(f'{INERTIAL}<geom class="k" quat="1 0 0 0"/>', before))
+    assert message.startswith(f"x.xml:2:{len(INERTIAL) + 1}: ")
+    assert f"a quat and its class a {key}" in message
+
+
+LATER = {
+    '<joint name="j" damping="20000"/>': ("<joint", "the joint j: expected a number from 0 to 10000 as the damping"),
+    '<joint name="j" range="-9000 9000"/>': ("<joint", "the joint j: expected a number from -100 to 100 (rad or m)"),
+    '<geom type="sphere" size="11"/>': ("<geom", "the link b: expected a number above 0, up to 10 (m) as the radius"),
+    '<geom type="sphere" size="1" pos="0 0 11"/>': ("<geom", "the link b: expected three numbers from -10 to 10 (m)"),
+    '<body name="e" pos="11 0 0"/>': (
+        "<body",
+        "the joint e-fixed: expected three numbers from -10 to 10 (m) as the xyz",
+    ),
+    '<body name="e"><inertial mass="101" diaginertia="1 1 1"/></body>': ("<inertial", "the link e: expected a number"),
+}
+
+
+@pytest.mark.parametrize("inside", LATER)
+def test_what_is_found_later_has_the_place_of_its_element(inside: str) -> None:
+    at, words = LATER[inside]
+    with pytest.raises(DiagnosticError) as caught:
+        robot_model(within(INERTIAL + inside).encode(), "x.xml", "")
+    column = len(INERTIAL) + inside.index(at) + 1
+    for fault in caught.value.diagnostics:
+        assert fault.message.startswith(f"x.xml:2:{column}: {words}")
 
 
 def test_the_place_is_that_of_the_element() -> None:
