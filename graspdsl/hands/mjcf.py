@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.diagnostics import Diagnostic
 from graspdsl.hands.mjcf_compiler import compiler_of
 from graspdsl.hands.mjcf_defaults import MAIN, Defaults
 from graspdsl.hands.mjcf_elements import add, add_origin
 from graspdsl.hands.mjcf_geoms import solids_of, weighs
 from graspdsl.hands.mjcf_inertia import principal
-from graspdsl.hands.mjcf_joints import describe
+from graspdsl.hands.mjcf_joints import LeftOut, describe
 from graspdsl.hands.mjcf_known import check_inside, whole
 from graspdsl.hands.mjcf_parts import HERE, Part, Pose, Source
 from graspdsl.spec.xml_files import PlacedElement
@@ -24,7 +25,7 @@ WORLD = "world"
 NEIGHBOURS = 2  # links that are at most so many joints apart never touch in a world
 
 
-def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
+def urdf_of_mjcf(tree: ElementTree.Element, file: str, warn: Callable[[Diagnostic], None]) -> ElementTree.Element:
     """The URDF tree of a MJCF tree. Raises DiagnosticError for what has no place in it, by name, line and column.
 
     Read are nested bodies and frames with ``inertial``, at most one hinge or slide each, and spheres, capsules
@@ -32,9 +33,14 @@ def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
     outermost body is in its own world is nothing to a hand on a mount. Left out are looks, sites and sensors;
     actuators, tendons and equalities of joints, for a hand file says what is driven and coupled; the friction and
     softness of contacts and the options of the solver, for these are the spec's and the world's. Geoms that touch
-    nothing of contype and conaffinity 1 are only drawn.
+    nothing of contype and conaffinity 1 are only drawn. The armature and frictionloss of joints are left out
+    too, which is said to ``warn``.
     """
-    return _Conversion(tree, Source(file)).robot()
+    conversion = _Conversion(tree, Source(file))
+    robot = conversion.robot()
+    for warning in conversion.left_out.warnings():
+        warn(warning)
+    return robot
 
 
 class _Inner(NamedTuple):
@@ -56,6 +62,7 @@ class _Conversion:
         self._robot = PlacedElement("robot", name=tree.get("model", "hand"))
         self._parents: dict[str, str | None] = {}
         self._joints: set[str] = set()
+        self.left_out = LeftOut()
 
     def robot(self) -> ElementTree.Element:
         worlds = self._tree.findall("worldbody")
@@ -128,6 +135,7 @@ class _Conversion:
             raise joint.refused("another joint has this name", "give each its own")
         self._joints.add(name)
         describe(made, joint, hinge, self._compiler)
+        self.left_out.note(joint)
         return made
 
     def _link(self, body: Part, name: str, inside: list[_Inner], moved: Array, moves: bool) -> ElementTree.Element:

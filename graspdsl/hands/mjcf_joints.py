@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from xml.etree import ElementTree
 
 from graspdsl.arrays import Array
+from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.hands.mjcf_compiler import Compiler
 from graspdsl.hands.mjcf_elements import add, as_text
 from graspdsl.hands.mjcf_parts import Part, Pose
+from graspdsl.spec.xml_files import place_in
 
 HINGE, SLIDE = "hinge", "slide"
 ON_OFF = ("auto", "true", "false")
+# What joints are built without, and what that changes.
+LEFT_OUT: Mapping[str, str] = {
+    "armature": "a joint speeds up faster",
+    "frictionloss": "a joint moves more easily",
+}
 
 
 def describe(made: ElementTree.Element, joint: Part, hinge: Pose, compiler: Compiler) -> None:
@@ -59,3 +67,30 @@ def _strength(joint: Part, compiler: Compiler) -> float:
     if ends[0] != -ends[1]:
         raise joint.refused("its actuatorfrcrange is not as strong either way", "write it as -a a")
     return float(ends[1])
+
+
+class LeftOut:
+    """What joints say that they are built without: better a hand that moves a little otherwise than none."""
+
+    def __init__(self) -> None:
+        self._joints: dict[str, list[tuple[float, Part]]] = {key: [] for key in LEFT_OUT}
+
+    def note(self, joint: Part) -> None:
+        """Keep what is left out of a joint. Raises DiagnosticError where it is negative."""
+        for key, joints in self._joints.items():
+            amount = joint.number(key, "0")
+            if amount < 0.0:
+                raise joint.refused(f"its {key} is negative: {amount:g}", None)
+            if amount > 0.0:
+                joints.append((amount, joint))
+
+    def warnings(self) -> Iterator[Diagnostic]:
+        """One of each kind, at the joint where it is largest."""
+        for key, joints in self._joints.items():
+            if joints:
+                amount, joint = max(joints, key=lambda kept: kept[0])
+                others = f", and that of other joints ({len(joints) - 1})" if len(joints) > 1 else ""
+                message = f"{joint.called}: its {key}, {amount:g}, is left out{others}: without it {LEFT_OUT[key]}"
+                place = place_in(joint.source.file, joint.element)
+                hint = f'write {key}="0" where that is meant'
+                yield Diagnostic("left-out-of-joints", f"{place}: {message}", hint=hint, severity=Severity.WARNING)

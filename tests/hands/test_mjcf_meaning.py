@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.diagnostics import Severity
 from graspdsl.hands.robot_model import RobotModel, robot_model
 
 INERTIAL = '<inertial pos="0 0 0.01" mass="0.1" diaginertia="1e-4 2e-4 2.5e-4"/>'
@@ -231,3 +233,19 @@ def test_what_changes_nothing_is_left_out() -> None:
     with_all, plain = model(inside, before), model(f'<body name="b">{INERTIAL}<joint name="j"/></body>')
     assert with_all.links == ("palm", "b", "c")
     assert with_all.joints["j"] == plain.joints["j"]
+
+
+def test_what_joints_are_built_without_is_said_once_of_each_kind() -> None:
+    chain = (
+        f'<body name="b">{INERTIAL}<joint name="j"/><body name="c">{INERTIAL}<joint name="k" armature="0.02"/>'
+        f'<body name="d">\n{INERTIAL}<joint name="l" armature="0.03" frictionloss="0"/></body></body></body>'
+    )
+    found_model = model(chain, '<default><joint frictionloss="0.5"/></default>')
+    plain = model(re.sub(r' (armature|frictionloss)="[^"]*"', "", chain))
+    armature, friction = found_model.warnings
+    assert {warning.code for warning in found_model.warnings} == {"left-out-of-joints"}
+    assert {warning.severity for warning in found_model.warnings} == {Severity.WARNING}
+    assert armature.message.startswith(f"x.xml:2:{len(INERTIAL) + 1}: <joint> l: its armature, 0.03, is left out, ")
+    assert "<joint> j: its frictionloss, 0.5, is left out, and that of other joints (1): " in friction.message
+    assert plain.warnings == ()
+    assert found_model.with_meshes({}) == plain.with_meshes({})

@@ -8,7 +8,7 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.hands.robot_model import robot_model
 
 INERTIAL = '<inertial pos="0 0 0" mass="0.1" diaginertia="1e-4 2e-4 2.5e-4"/>'
-JOINT = ("ref", "armature", "stiffness", "frictionloss")
+JOINT = ("ref", "stiffness")
 COMPILER = ("boundmass", "boundinertia", "settotalmass", "coordinate", "inertiafromgeom", "balanceinertia")
 INERTIALS = {
     '<inertial pos="0 0 0" diaginertia="1 1 1"/>': "no mass",
@@ -55,6 +55,9 @@ IN_BODY = {
     '<joint actuatorfrclimited="true"/>': "it is actuatorfrclimited and has no actuatorfrcrange",
     '<joint range="2 1"/>': "leaves no room",
     '<joint damping="-1"/>': "its damping is negative",
+    '<joint armature="-1"/>': "its armature is negative",
+    '<joint frictionloss="-1"/>': "its frictionloss is negative",
+    '<joint armature="much"/>': "its armature is 'much'",
     '<joint actuatorfrcrange="-1 2"/>': "not as strong either way",
     '<joint springdamper="1 1"/>': "its springdamper is not read",
     "<freejoint/>": "<freejoint> in <body> is not read",
@@ -74,7 +77,7 @@ BEFORE = {f'<compiler {key}="true"/>': f"{key}='true' would change the hand" for
     '<default class="mine"/>': "the outermost class of defaults is called 'mine'",
     "<default><default/></default>": "a class has no name",
     '<default><default class="a"/><default class="a"/></default>': "a class of defaults 'a' already",
-    '<default><joint armature="1"/></default>': "armature='1' would change the hand",
+    '<default><joint stiffness="1"/></default>': "stiffness='1' would change the hand",
     '<include file="b.xml"/>': "<include> in <mujoco> is not read",
     "<deformable/>": "<deformable> in <mujoco> is not read",
     "<equality><connect/></equality>": "<connect> in <equality> is not read",
@@ -193,5 +196,5 @@ def test_two_joints_have_two_names() -> None:
 
 def test_a_hint_says_what_would_be_read() -> None:
     with pytest.raises(DiagnosticError) as caught:
-        robot_model(within(INERTIAL + '<joint armature="0.1"/>').encode(), "x.xml", "")
-    assert caught.value.diagnostics[0].hint == 'write armature="0", or describe the hand in URDF'
+        robot_model(within(INERTIAL + '<joint stiffness="0.1"/>').encode(), "x.xml", "")
+    assert caught.value.diagnostics[0].hint == 'write stiffness="0", or describe the hand in URDF'
