@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import time
 from collections.abc import Iterable, Mapping
@@ -11,13 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from graspdsl.cli.inputs import InputError, reading
-from graspdsl.cli.messages import printable, result, say
+from graspdsl.cli.messages import complain, printable, result, say
 from graspdsl.cli.running import opened
 from graspdsl.diagnostics import Diagnostic, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
 from graspdsl.objects.shapes import catalogue
 from graspdsl.report.writing import replace
+from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import annotated, png
@@ -101,6 +103,7 @@ def _hand_of_file(path: Path) -> Robot:
             found = hand_in(SpecFolder(path.parent), path.name)
         except HandFileError as error:
             raise InputError(str(path), error.text, error.diagnostics) from None
+        complain(str(path), read_text(path), found.warnings)
     return Robot(hand=found.hand, mount=mounts()[MOUNT], hand_model=found.model)
 
 
@@ -187,11 +190,19 @@ def _needs_film_maker(place: Path) -> None:
     if place.suffix != ".mp4":
         raise InputError(str(place), "", [Diagnostic("unknown-suffix", "a film's name ends in .mp4", hint="rename it")])
     try:
-        import imageio_ffmpeg  # noqa: F401
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        maker = get_ffmpeg_exe()
     except ImportError:
         hint = "install it: pip install 'graspdsl[video]'"
         fault = Diagnostic("not-installed", "films need imageio-ffmpeg", hint=hint)
         raise InputError(str(place), "", [fault]) from None
+    except RuntimeError:  # its package brings none for some machines
+        maker = ""
+    if shutil.which(maker) is None:
+        what = f"there is no program {maker}" if maker else "the program ffmpeg is not found"
+        hint = "install ffmpeg, or say where it is in IMAGEIO_FFMPEG_EXE"
+        raise InputError(str(place), "", [Diagnostic("not-installed", f"films need ffmpeg: {what}", hint=hint)])
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

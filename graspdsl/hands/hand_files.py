@@ -12,6 +12,7 @@ from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
 from graspdsl.spec.document import Document, parse_document
 from graspdsl.spec.files import SIZE_LIMIT
+from graspdsl.spec.mesh_places import MeshPlaces
 from graspdsl.spec.named_files import SpecFolder, refusal
 from graspdsl.spec.validation import validate_document
 
@@ -57,11 +58,12 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
         found = faults(hand, model, document)
         if found:
             raise DiagnosticError(in_reading_order(found))
-        places = {mesh: _mesh(files, name, hand.urdf, mesh, document) for mesh in model.meshes}
+        places = MeshPlaces(files, _beside(name, hand.urdf))
+        meshes = {mesh: _mesh(files, places, mesh, document) for mesh in model.meshes}
     except DiagnosticError as error:
         raise HandFileError(name, text, error) from None
     warnings = tuple(_placed(warning, document) for warning in model.warnings)
-    return FoundHand(completed(hand, model), model.with_meshes(places), warnings)
+    return FoundHand(completed(hand, model), model.with_meshes(meshes), warnings)
 
 
 def completed(hand: Hand, model: RobotModel) -> Hand:
@@ -116,25 +118,14 @@ def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> Robo
         raise _at(error, document) from None
 
 
-def _mesh(files: SpecFolder, name: str, urdf: str, mesh: str, document: Document) -> str:
-    """Where a mesh is: beside the URDF, also by the path that it has in its package, with the package's name or not."""
-    whole = mesh.removeprefix("file://").removeprefix("package://")
-    candidates = [whole, whole.partition("/")[2]] if mesh.startswith("package://") else [whole]
-    missing: DiagnosticError | None = None
-    for candidate in candidates:
-        inside = _beside(_beside(name, urdf), candidate)
-        try:
-            content = files.read(inside)
-        except DiagnosticError as error:
-            missing = missing or error
-            continue
-        try:
-            check_mesh(mesh, content)
-        except DiagnosticError as error:
-            raise _at(error, document) from None
-        return str(files.place(inside).resolve())
-    assert missing is not None
-    raise _at(missing, document)
+def _mesh(files: SpecFolder, places: MeshPlaces, mesh: str, document: Document) -> str:
+    """Where a mesh is that the engine can take."""
+    try:
+        name = places.name(mesh)
+        check_mesh(mesh, files.read(name))
+    except DiagnosticError as error:
+        raise _at(error, document) from None
+    return str(files.place(name).resolve())
 
 
 def _beside(name: str, other: str) -> str:

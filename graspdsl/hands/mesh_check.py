@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
+import re
 import struct
+from collections.abc import Sequence
 from pathlib import PurePosixPath
 
 import numpy as np
 
+from graspdsl.hands.urdf_check import NUMBER
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 
 LARGEST = 16 * 1024 * 1024  # bytes
 HEADER, FACE = 84, 50  # bytes of a binary STL file
+BLANKS = re.compile(r"[ \t]+")  # other white space parts no words for the engine
+INDICES = re.compile(r"[+-]?\d{1,9}(?:/[+-]?\d{0,9}){0,2}", re.ASCII)  # of a corner, its texture and its normal
 AGAIN = "export it anew, as binary STL or as OBJ"
 
 
@@ -36,6 +41,10 @@ def _check_stl(name: str, content: bytes) -> None:
         if held < count and len(content) >= HEADER:
             message = f"{name} is cut short: of the {count} triangles that it announces it holds {held}"
             raise refusal("unreadable-mesh", message, AGAIN)
+        if 0 < count <= held:
+            excess = len(content) - HEADER - FACE * count
+            message = f"{name} has {excess} bytes more than the {count} triangles that it announces take"
+            raise refusal("unreadable-mesh", f"{message}: the engine reads none of them", AGAIN)
         raise refusal("unreadable-mesh", f"{name} is no STL file", AGAIN)
     if count == 0:
         raise refusal("empty-mesh", f"{name} holds no triangles", AGAIN)
@@ -47,28 +56,27 @@ def _check_stl(name: str, content: bytes) -> None:
 def _check_obj(name: str, content: bytes) -> None:
     corners, faces = 0, 0
     for number, line in enumerate(content.decode("utf-8", errors="replace").split("\n"), 1):
-        key, _, rest = line.strip().partition(" ")
-        try:
-            if key == "v":
-                corners += 1
-                _check_corner(rest)
-            elif key == "f":
-                faces += 1
-                _check_face(rest, corners)
-        except ValueError:
+        told, mark, _ = line.partition("#")
+        key, *words = BLANKS.split(told.strip(" \t\r"))
+        if key == "f" and mark:
+            message = f"{name}, line {number}: a comment after a face, with which the engine reads no face at all"
+            raise refusal("unreadable-mesh", message, "put it on a line of its own, or leave it out")
+        if key == "v":
+            corners += 1
+        elif key == "f":
+            faces += 1
+        if (key == "v" and not _is_corner(words)) or (key == "f" and not _is_face(words, corners)):
             message = f"{name}, line {number}: this is no corner or no face of an OBJ file: {shortened(line)!r}"
-            raise refusal("unreadable-mesh", message, AGAIN) from None
+            raise refusal("unreadable-mesh", message, AGAIN)
     if not faces:
         raise refusal("empty-mesh", f"{name} holds no triangles", AGAIN)
 
 
-def _check_corner(text: str) -> None:
-    place = [float(word) for word in text.split()[:3]]
-    if len(place) < 3 or not all(map(math.isfinite, place)):
-        raise ValueError
+def _is_corner(words: Sequence[str]) -> bool:
+    place = words[:3]
+    return len(place) == 3 and all(NUMBER.fullmatch(word) and math.isfinite(float(word)) for word in place)
 
 
-def _check_face(text: str, corners: int) -> None:
-    indices = [int(word.partition("/")[0]) for word in text.split()]
-    if len(indices) < 3 or not all(0 < index <= corners or -corners <= index < 0 for index in indices):
-        raise ValueError
+def _is_face(words: Sequence[str], corners: int) -> bool:
+    indices = [int(word.partition("/")[0]) if INDICES.fullmatch(word) else 0 for word in words]
+    return len(indices) >= 3 and all(0 < index <= corners or -corners <= index < 0 for index in indices)

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import roll_pitch_yaw
+from graspdsl.diagnostics import Diagnostic
+from graspdsl.hands.mjcf_compiler import compiler_of
 from graspdsl.hands.mjcf_defaults import MAIN, Defaults
-from graspdsl.hands.mjcf_geoms import solids_of
+from graspdsl.hands.mjcf_elements import add, add_origin
+from graspdsl.hands.mjcf_geoms import solids_of, weighs
 from graspdsl.hands.mjcf_inertia import principal
+from graspdsl.hands.mjcf_joints import LeftOut, describe
 from graspdsl.hands.mjcf_known import check_inside, whole
-from graspdsl.hands.mjcf_parts import HERE, Angles, Part, Pose, Source
+from graspdsl.hands.mjcf_parts import HERE, Part, Pose, Source
+from graspdsl.spec.xml_files import PlacedElement
 
-HINGE, SLIDE = "hinge", "slide"
 FIXED = "fixed"
-ON_OFF = ("auto", "true", "false")
+WORLD = "world"
 NEIGHBOURS = 2  # links that are at most so many joints apart never touch in a world
 
 
-def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
+def urdf_of_mjcf(tree: ElementTree.Element, file: str, warn: Callable[[Diagnostic], None]) -> ElementTree.Element:
     """The URDF tree of a MJCF tree. Raises DiagnosticError for what has no place in it, by name, line and column.
 
     Read are nested bodies and frames with ``inertial``, at most one hinge or slide each, and spheres, capsules
@@ -30,9 +33,14 @@ def urdf_of_mjcf(tree: ElementTree.Element, file: str) -> ElementTree.Element:
     outermost body is in its own world is nothing to a hand on a mount. Left out are looks, sites and sensors;
     actuators, tendons and equalities of joints, for a hand file says what is driven and coupled; the friction and
     softness of contacts and the options of the solver, for these are the spec's and the world's. Geoms that touch
-    nothing of contype and conaffinity 1 are only drawn.
+    nothing of contype and conaffinity 1 are only drawn. The armature and frictionloss of joints are left out
+    too, which is said to ``warn``.
     """
-    return _Conversion(tree, Source(file)).robot()
+    conversion = _Conversion(tree, Source(file))
+    robot = conversion.robot()
+    for warning in conversion.left_out.warnings():
+        warn(warning)
+    return robot
 
 
 class _Inner(NamedTuple):
@@ -48,11 +56,13 @@ class _Conversion:
         self._tree, self._source = tree, source
         whole(source, tree)
         check_inside(source, tree)
-        self._angles, self._autolimits = _compiler(tree, source)
+        self._compiler = compiler_of(tree, source)
+        self._angles = self._compiler.angles
         self._defaults = Defaults(source, tree)
-        self._robot = ElementTree.Element("robot", name=tree.get("model", "hand"))
+        self._robot = PlacedElement("robot", name=tree.get("model", "hand"))
         self._parents: dict[str, str | None] = {}
         self._joints: set[str] = set()
+        self.left_out = LeftOut()
 
     def robot(self) -> ElementTree.Element:
         worlds = self._tree.findall("worldbody")
@@ -106,90 +116,64 @@ class _Conversion:
         link = self._link(part, name, inside, hinge.place, joint is not None)
         if parent is not None:
             pose = body.about.then(self._angles.pose(part))
-            made = self._joint(joint, hinge, name, parent)
-            _origin(made, Pose(pose.then(hinge).place - shift, pose.turned))
+            made = self._joint(part, joint, hinge, name, parent)
+            add_origin(made, Pose(pose.then(hinge).place - shift, pose.turned))
         for inner in inside:
             if inner.element.tag == "body":
                 self._body(inner, name, hinge.place)
             elif inner.element.tag == "geom":
                 self._geom(self._defaults.part(inner.element, inner.inherited), link, inner.about, hinge.place)
 
-    def _joint(self, joint: Part | None, hinge: Pose, body: str, parent: str) -> ElementTree.Element:
+    def _joint(self, part: Part, joint: Part | None, hinge: Pose, body: str, parent: str) -> ElementTree.Element:
         name = f"{body}-fixed" if joint is None else joint.attributes.get("name", f"{body}-joint")
-        made = ElementTree.SubElement(self._robot, "joint", name=name, type=FIXED)
-        ElementTree.SubElement(made, "parent", link=parent)
-        ElementTree.SubElement(made, "child", link=body)
+        made = add(self._robot, "joint", {"name": name, "type": FIXED}, (joint or part).element)
+        add(made, "parent", {"link": parent})
+        add(made, "child", {"link": body})
         if joint is None:
             return made
         if name in self._joints:
             raise joint.refused("another joint has this name", "give each its own")
         self._joints.add(name)
-        kind = joint.attributes.get("type", HINGE)
-        if kind not in (HINGE, SLIDE):
-            raise joint.refused(f"the joint of the body {body} is neither a hinge nor a slide, but {kind!r}")
-        axis = joint.numbers("axis", "0 0 1", 3)
-        axis = hinge.turned.apply(joint.direction("axis", axis) if "axis" in joint.attributes else axis)
-        ElementTree.SubElement(made, "axis", xyz=_text(axis))
-        damping = joint.number("damping", "0")
-        if damping < 0.0:
-            raise joint.refused(f"its damping is negative: {damping:g}", None)
-        ElementTree.SubElement(made, "dynamics", damping=f"{damping!r}")
-        limits, strength = self._limits(joint, "range", "limited"), self._strength(joint)
-        made.set("type", "prismatic" if kind == SLIDE else "continuous" if limits is None else "revolute")
-        if limits is not None:
-            low, high = (self._angles.radians(limits) if kind == HINGE else limits).tolist()
-            limit = {"lower": f"{low!r}", "upper": f"{high!r}", "effort": f"{strength!r}", "velocity": "10"}
-            ElementTree.SubElement(made, "limit", limit)
+        describe(made, joint, hinge, self._compiler)
+        self.left_out.note(joint)
         return made
 
-    def _limits(self, joint: Part, key: str, switch: str) -> Array | None:
-        """The ends (2,) of a range that is on, None of one that is off."""
-        state = joint.word(switch, ON_OFF)
-        ends = joint.numbers(key, "0 0", 2)
-        if state == "false":
-            return None
-        if state == "auto" and key in joint.attributes and not self._autolimits:
-            raise joint.refused(f"it has a {key}, but does not say whether it is {switch}", f'write {switch}="true"')
-        if ends[0] > ends[1] or (state == "true" and ends[0] == ends[1]):
-            raise joint.refused(f"its {key} leaves no room: {_text(ends)}", "the lower end comes first")
-        return ends if ends[0] < ends[1] else None
-
-    def _strength(self, joint: Part) -> float:
-        """The most that drives a joint [N or Nm], zero where the file does not say."""
-        ends = self._limits(joint, "actuatorfrcrange", "actuatorfrclimited")
-        if ends is None:
-            return 0.0
-        if ends[0] != -ends[1]:
-            raise joint.refused("its actuatorfrcrange is not as strong either way", "write it as -a a")
-        return float(ends[1])
-
     def _link(self, body: Part, name: str, inside: list[_Inner], moved: Array, moves: bool) -> ElementTree.Element:
-        link = ElementTree.SubElement(self._robot, "link", name=name)
+        link = add(self._robot, "link", {"name": name}, body.element)
         inertials = [inner for inner in inside if inner.element.tag == "inertial"]
         if not inertials:
-            raise body.refused("the body has no <inertial>", "give it one")
+            self._check_massless(body, inside, moves)
+            return link
         if len(inertials) > 1:
             raise body.refused(f"the body has {len(inertials)} <inertial>", "keep one")
         part = whole(self._source, inertials[0].element)
         check_inside(self._source, part.element)
         mass, moments, axes = principal(part, moves)
         pose = inertials[0].about.then(self._angles.pose(part)).then(Pose(np.zeros(3), axes))
-        made = ElementTree.SubElement(link, "inertial")
-        _origin(made, Pose(pose.place - moved, pose.turned))
-        ElementTree.SubElement(made, "mass", value=f"{mass!r}")
+        made = add(link, "inertial", {}, part.element)
+        add_origin(made, Pose(pose.place - moved, pose.turned))
+        add(made, "mass", {"value": f"{mass!r}"})
         xx, yy, zz = map(repr, moments.tolist())
-        ElementTree.SubElement(made, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
+        add(made, "inertia", {"ixx": xx, "iyy": yy, "izz": zz, "ixy": "0", "ixz": "0", "iyz": "0"})
         return link
+
+    def _check_massless(self, body: Part, inside: list[_Inner], moves: bool) -> None:
+        """A body without <inertial> has the mass of its geoms, which is not worked out here."""
+        geoms = (self._defaults.part(geom.element, geom.inherited) for geom in inside if geom.element.tag == "geom")
+        if moves:
+            raise body.refused("the body moves and has no <inertial>", "give it one")
+        if self._compiler.geoms_weigh and any(map(weighs, geoms)):
+            raise body.refused("the body has no <inertial>, and geoms that weigh", 'give it one, or its geoms mass="0"')
 
     def _geom(self, geom: Part, link: ElementTree.Element, about: Pose, moved: Array) -> None:
         check_inside(self._source, geom.element)
-        touches = any(int(geom.number(mask, "1")) & 1 for mask in ("contype", "conaffinity"))
+        touches = (geom.mask("contype", "1") | geom.mask("conaffinity", "1")) & 1
         for solid in solids_of(geom, self._angles):
             pose = about.then(solid.pose)
             for use in ("visual", "collision") if touches else ("visual",):
-                made = ElementTree.SubElement(link, use)
-                _origin(made, Pose(pose.place - moved, pose.turned))
-                ElementTree.SubElement(ElementTree.SubElement(made, "geometry"), solid.tag, dict(solid.sizes))
+                made = add(link, use, {}, geom.element)
+                add_origin(made, Pose(pose.place - moved, pose.turned))
+                add(add(made, "geometry", {}), solid.tag, solid.sizes)
 
     def _check_floor(self, geom: Part) -> None:
         if geom.attributes.get("type") != "plane":
@@ -202,9 +186,9 @@ class _Conversion:
         for element in self._tree.findall("contact/exclude"):
             part = whole(self._source, element)
             bodies = [part.attributes.get(key, "") for key in ("body1", "body2")]
-            if not set(bodies) <= set(self._parents):
+            if not set(bodies) <= {WORLD, *self._parents}:
                 raise part.refused(f"there is no such pair of bodies: {' and '.join(bodies)}", None)
-            if self._apart(*bodies) > NEIGHBOURS:
+            if WORLD not in bodies and self._apart(*bodies) > NEIGHBOURS:
                 message = f"{bodies[0]} and {bodies[1]} are more than {NEIGHBOURS} joints apart and would touch"
                 raise part.refused(message)
 
@@ -217,29 +201,3 @@ class _Conversion:
         while at is not None:
             yield at
             at = self._parents[at]
-
-
-def _compiler(tree: ElementTree.Element, source: Source) -> tuple[Angles, bool]:
-    """The unit and the sequence of angles, and whether a range alone limits a joint; later elements go first."""
-    angles, autolimits = Angles(True, "xyz"), True
-    for element in tree.findall("compiler"):
-        part = whole(source, element)
-        check_inside(source, element)
-        if "angle" in part.attributes:
-            angles = Angles(part.word("angle", ("degree", "radian")) == "degree", angles.sequence)
-        if "autolimits" in part.attributes:
-            autolimits = part.word("autolimits", ("true", "false")) == "true"
-        sequence = part.attributes.get("eulerseq", angles.sequence)
-        if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
-            raise part.refused(f"its eulerseq is {sequence!r}", "expected three letters out of xyzXYZ")
-        angles = Angles(angles.degrees, sequence)
-    return angles, autolimits
-
-
-def _text(numbers: Array) -> str:
-    return " ".join(map(repr, numbers.tolist()))
-
-
-def _origin(of: ElementTree.Element, pose: Pose) -> None:
-    rpy = np.array(roll_pitch_yaw(pose.turned.as_matrix()))
-    ElementTree.SubElement(of, "origin", xyz=_text(pose.place), rpy=_text(rpy))

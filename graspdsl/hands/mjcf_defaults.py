@@ -10,6 +10,7 @@ from graspdsl.hands.mjcf_known import whole
 from graspdsl.hands.mjcf_parts import ORIENTATIONS, Attributes, Part, Source
 
 MAIN = "main"
+QUATERNION = "quat"
 
 
 class Defaults:
@@ -32,7 +33,7 @@ class Defaults:
         """
         name = element.get("class", inherited)
         self.check(element, name)
-        return whole(self._source, element, _merged(self._classes[name].get(element.tag, {}), element))
+        return whole(self._source, element, self._merged(self._classes[name].get(element.tag, {}), element))
 
     def check(self, element: ElementTree.Element, name: str) -> None:
         """Raises DiagnosticError where an element names a class that is not there."""
@@ -44,7 +45,7 @@ class Defaults:
         found = {**above}
         for element in default:
             if element.tag != "default":
-                found[element.tag] = _merged(found.get(element.tag, {}), element)
+                found[element.tag] = self._merged(found.get(element.tag, {}), element)
         self._classes[name] = found
         for inner in default.findall("default"):
             inner_name = whole(self._source, inner).attributes.get("class", "")
@@ -53,13 +54,19 @@ class Defaults:
                 raise self._source.refused(inner, what, "give each class of defaults its own name")
             self._read(inner, inner_name, found)
 
-
-def _merged(above: Attributes, element: ElementTree.Element) -> dict[str, str]:
-    own = element.attrib
-    turned = any(key in own for key in ORIENTATIONS)
-    found = {key: value for key, value in above.items() if not (turned and key in ORIENTATIONS)} | own
-    if "size" in above and "size" in own:
-        # Sizes that an element does not say stay as they were.
-        sizes = own["size"].split()
-        found["size"] = " ".join(sizes + above["size"].split()[len(sizes) :])
-    return found
+    def _merged(self, above: Attributes, element: ElementTree.Element) -> dict[str, str]:
+        own = element.attrib
+        turned = any(key in own for key in ORIENTATIONS)
+        other = next((key for key in ORIENTATIONS if key in above and key != QUATERNION), None)
+        if QUATERNION in own and other is not None:
+            # Older versions of MuJoCo (3.1) go by the class, newer ones (4.0) by the element.
+            message = (
+                f"<{element.tag}> has a quat and its class a {other}: MuJoCo keeps one or the other by its version"
+            )
+            raise self._source.refused(element, message, f"write it as {other}, or the class as quat")
+        found = {key: value for key, value in above.items() if not (turned and key in ORIENTATIONS)} | own
+        if "size" in above and "size" in own:
+            # Sizes that an element does not say stay as they were.
+            sizes = own["size"].split()
+            found["size"] = " ".join(sizes + above["size"].split()[len(sizes) :])
+        return found

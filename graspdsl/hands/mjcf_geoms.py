@@ -28,7 +28,7 @@ def solids_of(geom: Part, angles: Angles) -> list[GeomSolid]:
     """The solids of a geom, three of a capsule. Raises DiagnosticError for a kind that is not read."""
     kind = geom.attributes.get("type", "sphere")
     if kind not in SIZES:
-        message = f"a geom that is a {kind} is not read: only {listed(SIZES)}"
+        message = f"a geom of type {kind!r} is not read: only {listed(SIZES)}"
         raise geom.refused(message, HINTS["mesh"])
     drawn = "fromto" in geom.attributes
     if drawn and kind == "sphere":
@@ -45,6 +45,11 @@ def solids_of(geom: Part, angles: Angles) -> list[GeomSolid]:
     if size.min() <= 0.0:
         raise geom.refused(f"its size is not positive: {geom.attributes['size']!r}", None)
     return _solids(kind, size, pose)
+
+
+def weighs(geom: Part) -> bool:
+    """Whether a geom gives its body mass where that has no inertia of its own: unless it says otherwise, it does."""
+    return geom.number("mass" if "mass" in geom.attributes else "density", "1000") != 0.0
 
 
 def _between(geom: Part) -> tuple[Pose, float]:

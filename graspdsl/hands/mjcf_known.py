@@ -19,7 +19,7 @@ READ: Mapping[str, frozenset[str]] = {
         "frame": ("name", "childclass", "pos", *ORIENTATIONS),
         "inertial": ("pos", "mass", "diaginertia", "fullinertia", *ORIENTATIONS),
         "joint": (
-            *("name", "class", "type", "pos", "axis", "range", "limited", "damping"),
+            *("name", "class", "type", "pos", "axis", "range", "limited", "damping", "armature", "frictionloss"),
             *("actuatorfrcrange", "actuatorfrclimited"),
         ),
         "geom": ("name", "class", "type", "size", "fromto", "pos", "contype", "conaffinity", *ORIENTATIONS),
@@ -54,9 +54,7 @@ ONLY_AS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "body": {"gravcomp": ("0",), "mocap": ("false",)},
     "joint": {
         "ref": ("0",),
-        "armature": ("0",),
         "stiffness": ("0",),
-        "frictionloss": ("0",),
     },
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import DiagnosticError, listed
+from graspdsl.hands.urdf_check import NUMBER
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in
@@ -22,6 +24,9 @@ IN_URDF = "take it out, or describe the hand in URDF"
 ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
 LONGEST = 200  # characters of a complaint
 SHORTEST = 1e-10  # the length of a vector that has no direction
+LARGEST = 1e6  # of a number, of any unit: squares of these and their sums are numbers still
+WHOLE = re.compile(r"\s*[+-]?\d{1,10}\s*", re.ASCII)
+BITS = 32  # of a mask, its sign among them
 
 
 class Pose(NamedTuple):
@@ -74,20 +79,30 @@ class Part:
         return word
 
     def numbers(self, key: str, otherwise: str, *counts: int) -> Array:
-        """So many finite numbers as one of the counts says."""
+        """So many numbers as one of the counts says, none beyond ``LARGEST``."""
         text = self.attributes.get(key, otherwise)
-        try:
-            numbers = np.array([float(word) for word in text.split()])
-        except ValueError:
-            raise self.refused(f"its {key} is {text!r}", "expected numbers with blanks between them") from None
-        if len(numbers) not in counts or not np.isfinite(numbers).all():
+        words = text.split()
+        if not all(map(NUMBER.fullmatch, words)):
+            raise self.refused(f"its {key} is {text!r}", "expected finite numbers with blanks between them")
+        numbers = np.array([float(word) for word in words])
+        if len(numbers) not in counts:
             expected = listed([str(count) for count in counts], "or")
-            raise self.refused(f"its {key} is {text!r}", f"expected {expected} finite numbers")
+            raise self.refused(f"its {key} is {text!r}", f"expected {expected} numbers")
+        if np.abs(numbers).max(initial=0.0) > LARGEST:
+            raise self.refused(f"its {key} is {text!r}", f"expected numbers from {-LARGEST:g} to {LARGEST:g}")
         return numbers
 
     def number(self, key: str, otherwise: str) -> float:
-        """One finite number."""
+        """One number."""
         return float(self.numbers(key, otherwise, 1)[0])
+
+    def mask(self, key: str, otherwise: str) -> int:
+        """The bits of a mask."""
+        text = self.attributes.get(key, otherwise)
+        most = 2 ** (BITS - 1)
+        if WHOLE.fullmatch(text) is None or not -most <= int(text) < most:
+            raise self.refused(f"its {key} is {text!r}", f"expected a whole number of {BITS} bits")
+        return int(text)
 
     def direction(self, key: str, vector: Array) -> Array:
         """The unit vector along a vector (3,) of an attribute."""

@@ -63,7 +63,8 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     Raises DiagnosticError for what is no URDF, for links that form no tree, for a root that is not there, and with
     every number that the engine could not take.
     """
-    robot = _parsed(content, name)
+    check = UrdfCheck(name)
+    robot = _parsed(content, name, check)
     whole = KinematicTree.of(robot, name)
     if root and root not in whole.links:
         raise refusal(
@@ -73,7 +74,6 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     below = whole.below(root)
     joints = {joint: ends for joint, ends in whole.joints.items() if ends.parent in below}
     _moderate(below, joints, name)
-    check = UrdfCheck(name)
     kept = ElementTree.Element("robot", name="hand")
     for material in robot.findall("material"):
         kept.append(check.copy(material, MATERIAL, "a material"))
@@ -100,12 +100,12 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     )
 
 
-def _parsed(content: bytes, name: str) -> ElementTree.Element:
+def _parsed(content: bytes, name: str, check: UrdfCheck) -> ElementTree.Element:
     tree = xml_tree(content, name)
     if tree.tag == "mujoco":
         from graspdsl.hands.mjcf import urdf_of_mjcf
 
-        return urdf_of_mjcf(tree, name)
+        return urdf_of_mjcf(tree, name, check.warnings.append)
     if tree.tag != "robot":
         message = f"{name} is no URDF: its root is <{shortened(tree.tag)}>, not <robot>"
         raise refusal("not-a-urdf", message, "name a URDF or a MJCF file")

@@ -16,13 +16,13 @@ from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
+from graspdsl.spec.mesh_places import MeshPlaces
 from graspdsl.spec.named_files import SpecFolder, refusal
 from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_PARTS = 200
 MOST_LINKS = 2000
 MOST_LENGTH = 1e6  # m
-PACKAGE = "package://"
 
 Warn = Callable[[Diagnostic], None]
 
@@ -63,6 +63,7 @@ def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
 class _Urdf:
     def __init__(self, name: str, content: bytes, folder: SpecFolder, warn: Warn) -> None:
         self._name, self._folder, self._warn = name, folder, warn
+        self._meshes = MeshPlaces(folder, name)
         self._part_places: list[str] = []
         self._robot = xml_tree(content, name)
         if self._robot.tag != "robot":
@@ -142,26 +143,12 @@ class _Urdf:
             case "cylinder":
                 return Cylinder(2 * self._length(geometry, "radius"), self._length(geometry, "length"))
             case "mesh":
-                name = self._file(geometry.get("filename", ""))
+                name = self._meshes.name(geometry.get("filename", ""))
                 scale = np.array(self._numbers(geometry, "scale", (1.0, 1.0, 1.0)))
                 if not (np.abs(scale) > 0.0).all():
                     raise self._bad("the scale of a mesh is zero")
                 return mesh_of_file(name, self._folder.read(name), scale, None, self._warn, centred=False)
         raise self._bad(f"it has geometry of an unknown kind, <{geometry.tag}>")
-
-    def _file(self, filename: str) -> str:
-        """The path of a mesh, as a path in the spec would be."""
-        here = PurePosixPath(self._name).parent
-        if not filename.startswith(PACKAGE):
-            path = here / filename.removeprefix("file://")
-            if path.is_absolute() and not here.is_absolute():
-                message = f"{self._name} names a file outside of the folder of the spec: {path}"
-                raise refusal("outside-of-folder", message, "write the absolute path of the URDF itself")
-            return str(path)
-        package, _, rest = filename.removeprefix(PACKAGE).partition("/")
-        # A package is a folder about the URDF that bears its name.
-        about = next((folder for folder in (here, *here.parents) if folder.name == package), here)
-        return str(about / rest)
 
     def _placed(self, frame: Frame, part: Part) -> Placed:
         x, y, z = frame.position.tolist()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import codecs
+from collections.abc import Mapping
 from xml.etree import ElementTree
 from xml.parsers import expat
 
@@ -11,8 +13,16 @@ from graspdsl.spec.wording import shortened
 LARGEST = 1024 * 1024  # bytes
 MOST_ELEMENTS = 50_000
 DEEPEST = 200
-# What may be declared: others can stand for a codec that runs code of its own, or that expands.
-ENCODINGS = ("utf-8", "utf-16", "us-ascii", "iso-8859-1", "windows-1252")
+PLAIN = "utf-8"
+# What may be declared, by the name of its codec, as the parser calls it: others can stand for a codec that runs code of
+# its own, or that expands.
+ENCODINGS: Mapping[str, str] = {
+    "utf-8": "utf-8",
+    "utf-16": "utf-16",
+    "ascii": "us-ascii",
+    "iso8859-1": "iso-8859-1",
+    "cp1252": "windows-1252",
+}
 
 
 class PlacedElement(ElementTree.Element):
@@ -31,22 +41,34 @@ def xml_tree(content: bytes, name: str) -> PlacedElement:
     if len(content) > LARGEST:
         message = f"{name} is too large: {len(content)} bytes, where an XML file may have {LARGEST}"
         raise refusal("file-too-large", message, "leave out what is not needed; meshes stand in files of their own")
-    return _Reading(name).read(content)
+    try:
+        return _Reading(name).read(content)
+    except _OtherNameError as error:
+        return _Reading(name, error.encoding).read(content)
 
 
 def place_in(name: str, element: ElementTree.Element) -> str:
     """``file:line:column`` of an element, only the file's name for one that was not read from it."""
-    line = element.line if isinstance(element, PlacedElement) else 0
-    return f"{name}:{line}:{element.column}" if line and isinstance(element, PlacedElement) else name
+    return f"{name}:{element.line}:{element.column}" if isinstance(element, PlacedElement) and element.line else name
+
+
+class _OtherNameError(Exception):
+    """A file declares its encoding by a name that the parser does not know, or not well."""
+
+    def __init__(self, encoding: str) -> None:
+        self.encoding = encoding
+        super().__init__(encoding)
 
 
 class _Reading:
-    def __init__(self, name: str) -> None:
-        self._name = name
+    """One reading of a file, in an encoding of the parser or in that which the file declares."""
+
+    def __init__(self, name: str, encoding: str | None = None) -> None:
+        self._name, self._encoding = name, encoding
         self._open: list[PlacedElement] = []
         self._root: PlacedElement | None = None
         self._count = 0
-        self._parser = expat.ParserCreate(namespace_separator="}")
+        self._parser = expat.ParserCreate(encoding, namespace_separator="}")
         self._parser.XmlDeclHandler = self._declared
         self._parser.StartDoctypeDeclHandler = self._doctype
         self._parser.StartElementHandler = self._start
@@ -60,14 +82,20 @@ class _Reading:
             message = f"{self._name} is no XML: line {error.lineno}, column {error.offset + 1}: {reason}"
             raise refusal("bad-xml", message, "mend it there") from None
         except (LookupError, ValueError) as error:
-            raise refusal("bad-xml", f"{self._name} is no XML: {error}", f"write it in {ENCODINGS[0]}") from None
+            raise refusal("bad-xml", f"{self._name} is no XML: {error}", f"write it in {PLAIN}") from None
         assert self._root is not None
         return self._root
 
     def _declared(self, _version: str, encoding: str | None, _standalone: int) -> None:
-        if encoding is not None and encoding.lower() not in ENCODINGS:
+        if encoding is None or self._encoding is not None:
+            return
+        try:
+            known = ENCODINGS[codecs.lookup(encoding).name]
+        except LookupError:
             message = f"{self._name} is in an unknown encoding, {shortened(encoding)!r}"
-            raise refusal("bad-xml", message, f"write it in {ENCODINGS[0]}")
+            raise refusal("bad-xml", message, f"write it in {PLAIN}") from None
+        if encoding.lower() != known:
+            raise _OtherNameError(known)
 
     def _doctype(self, *_declaration: object) -> None:
         message = f"{self._here()}: the file declares a document type, which no robot needs"

@@ -10,6 +10,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from hands.models import URDF, changed, write
 from PIL import Image
 from stored_runs import stored_run
 
@@ -90,6 +91,35 @@ def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     assert frames == pytest.approx(10 * float(folder.trajectory(0)["time"][-1]), abs=2)
     assert seconds == pytest.approx(frames / 10, abs=0.2)
     assert [file.name for file in tmp_path.iterdir()] == ["trial.mp4"]
+
+
+def test_without_a_film_maker_that_is_said(folder: RunFolder, tmp_path: Path) -> None:
+    """One that is named and not there, and a machine that has none: neither in its package nor on its path."""
+    (tmp_path / "imageio_ffmpeg").mkdir()
+    package = Path(imageio_ffmpeg.__file__).parent
+    for source in package.glob("*.py"):
+        (tmp_path / "imageio_ffmpeg" / source.name).write_bytes(source.read_bytes())
+    (tmp_path / "imageio_ffmpeg" / "binaries").mkdir()
+    (tmp_path / "imageio_ffmpeg" / "binaries" / "__init__.py").touch()
+    for surroundings in (
+        {"IMAGEIO_FFMPEG_EXE": "/nowhere/ffmpeg"},
+        {"PYTHONPATH": str(tmp_path), "PATH": str(tmp_path), "IMAGEIO_FFMPEG_EXE": ""},
+    ):
+        done = graspdsl("view", folder.path, "--video", "film.mp4", cwd=tmp_path, env=surroundings)
+        assert done.returncode == 1, done.stderr
+        assert done.stderr.count("error[not-installed]") == 1
+        assert "IMAGEIO_FFMPEG_EXE" in done.stderr
+        assert "Traceback" not in done.stderr
+        assert not list(tmp_path.glob("*.mp4"))
+
+
+def test_what_is_doubtful_about_a_hand_is_said(tmp_path: Path) -> None:
+    drawn = changed(URDF, ('<sphere radius="0.01"/>', '<mesh filename="part.dae"/>'))
+    write(tmp_path, drawn)
+    done = graspdsl("view", "--hand", "hand.yaml", "--images", "seen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("warning[undrawn-mesh]") == 1
+    assert "hand.yaml:2" in done.stderr
 
 
 @pytest.mark.parametrize(

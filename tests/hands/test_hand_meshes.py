@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from graspdsl.hands.mesh_check import LARGEST
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
-from .models import SPEC, URDF, changed, write
+from .models import HAND, SPEC, URDF, changed, write
 
 TUBE = '<cylinder radius="0.01" length="0.02"/>'
 BALL = '<sphere radius="0.01"/>'
@@ -27,12 +28,16 @@ STL, TEXT, OBJ = (
     BOX.export(file_type="obj").encode(),
 )
 NAN = struct.pack("<80sI", b"", 1) + struct.pack("<12fH", *[float("nan")] * 12, 0)
+TABS = OBJ.replace(b" ", b"\t").replace(b"\n", b"\t\r\n")
+REMARKS = b"# a box\n" + re.sub(rb"(?m)^(v .*)$", rb"  \1 # a corner", OBJ)
 
 REFUSED = {
     "empty.stl": (b"", "unreadable-mesh", "empty.stl is no STL file"),
     "words.stl": (b"hello", "unreadable-mesh", "words.stl is no STL file"),
     "text.stl": (TEXT, "unreadable-mesh", "text.stl is STL in text"),
     "cut.stl": (STL[:-60], "unreadable-mesh", "of the 12 triangles that it announces it holds 10"),
+    "long.stl": (STL + b"\0\0", "unreadable-mesh", "2 bytes more than the 12 triangles"),
+    "longer.stl": (STL + bytes(120), "unreadable-mesh", "120 bytes more than the 12 triangles"),
     "nothing.stl": (struct.pack("<80sI", b"", 0), "empty-mesh", "nothing.stl holds no triangles"),
     "nan.stl": (NAN, "bad-mesh", "coordinates are no numbers"),
     "large.stl": (bytes(LARGEST + 1), "file-too-large", "large.stl is too large"),
@@ -41,6 +46,9 @@ REFUSED = {
     "before.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -4\n", "unreadable-mesh", "before.obj, line 4"),
     "nan.obj": (b"v 0 nan 0\nf 1 1 1\n", "unreadable-mesh", "nan.obj, line 1"),
     "line.obj": (b"v 0 0 0\nf 1 1\n", "unreadable-mesh", "line.obj, line 2"),
+    "comment.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # a\n", "unreadable-mesh", "line 4: a comment after a face"),
+    "feed.obj": (b"v 0 0 0\nv 1 0\x0c0\nv 0 1 0\nf 1 2 3\n", "unreadable-mesh", "feed.obj, line 2"),
+    "decimal.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1.0 2 3\n", "unreadable-mesh", "decimal.obj, line 4"),
     "part.dae": (b"<COLLADA/>", "unknown-mesh-format", "'part.dae'"),
 }
 
@@ -71,7 +79,29 @@ def test_a_drawing_in_collada_is_left_out_with_a_warning(tmp_path: Path) -> None
     assert "part.dae" not in examination.program.robot.models[1]
 
 
-@pytest.mark.parametrize(("name", "content"), [("part.stl", STL), ("PART.STL", STL), ("part.obj", OBJ)])
+def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
+    """The hand file at the root of the package, model and meshes in folders of it."""
+    root = tmp_path / "robotiq"
+    for folder in ("urdf", "meshes"):
+        (root / folder).mkdir(parents=True)
+    (root / "meshes" / "a.stl").write_bytes(STL)
+    (root / "urdf" / "two.urdf").write_text(_urdf(TUBE, "package://robotiq/meshes/a.stl"), encoding="utf-8")
+    (root / "hand.yaml").write_text(changed(HAND, ("two.urdf", "urdf/two.urdf")), encoding="utf-8")
+    for folder, name in ((root, "hand.yaml"), (tmp_path, "robotiq/hand.yaml")):
+        assert f'filename="{root.resolve() / "meshes" / "a.stl"}"' in hand_in(SpecFolder(folder), name).model
+    (root / "meshes" / "a.stl").unlink()
+    with pytest.raises(HandFileError) as caught:
+        hand_in(SpecFolder(root), "hand.yaml")
+    (fault,) = caught.value.diagnostics
+    assert fault.code == "file-not-found"
+    assert fault.span is not None
+    assert fault.span.line == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("part.stl", STL), ("PART.STL", STL), ("part.obj", OBJ), ("tabs.obj", TABS), ("remarks.obj", REMARKS)],
+)
 def test_the_engine_has_the_box_of_a_good_mesh(name: str, content: bytes, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)
     write(tmp_path, _urdf(TUBE, name))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.diagnostics import Severity
 from graspdsl.hands.robot_model import RobotModel, robot_model
 
 INERTIAL = '<inertial pos="0 0 0.01" mass="0.1" diaginertia="1e-4 2e-4 2.5e-4"/>'
@@ -176,6 +178,23 @@ def test_a_geom_keeps_of_its_defaults_what_it_does_not_say() -> None:
     np.testing.assert_allclose(turn(second), about(Z, 90.0), atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("before", "inside"),
+    [
+        ("", ""),
+        ("", '<site name="s"/><geom size="0.01" mass="0"/>'),
+        ("", '<geom size="0.01" density="0"/>'),
+        ("", '<geom size="0.01" mass="0" density="5"/>'),
+        ('<default><geom mass="0"/></default>', '<frame><geom size="0.01"/></frame>'),
+        ('<compiler inertiafromgeom="false"/>', '<geom size="0.01"/>'),
+    ],
+)
+def test_a_fixed_body_may_be_without_mass(before: str, inside: str) -> None:
+    found_model = model(f'<body name="b">{INERTIAL}<joint name="j"/><body name="tip">{inside}</body></body>', before)
+    for link, mass in (("tip", 0.0), ("b", 0.1)):
+        assert float(found(found_model.tree, f"link[@name='{link}']/inertial/mass").get("value", "")) == mass
+
+
 def test_geoms_between_two_points() -> None:
     ends = np.array([0.0, 0.0, 0.01]), np.array([0.03, 0.04, 0.13])
     text = " ".join(str(end) for end in np.concatenate(ends))
@@ -190,7 +209,10 @@ def test_geoms_between_two_points() -> None:
     np.testing.assert_allclose([place(one), place(other)], ends, atol=1e-9)
 
 
-@pytest.mark.parametrize(("masks", "touches"), [((1, 1), 1), ((0, 1), 1), ((3, 0), 1), ((0, 0), 0), ((2, 2), 0)])
+@pytest.mark.parametrize(
+    ("masks", "touches"),
+    [((1, 1), 1), ((0, 1), 1), ((3, 0), 1), ((0, 0), 0), ((2, 2), 0), ((2**31 - 1, 0), 1), ((-(2**31), -2), 0)],
+)
 def test_a_geom_touches_what_its_masks_let_it(masks: tuple[int, int], touches: int) -> None:
     link = found(model(f'<geom size="0.1" contype="{masks[0]}" conaffinity="{masks[1]}"/>').tree, "link")
     assert (len(link.findall("collision")), len(link.findall("visual"))) == (touches, 1)
@@ -200,7 +222,8 @@ def test_what_changes_nothing_is_left_out() -> None:
     before = (
         '<compiler coordinate="local" meshdir="a" inertiafromgeom="auto" boundmass="0.0" fusestatic="true"/>'
         '<option timestep="0.001"/><visual/><asset><material name="m"/></asset><actuator><motor joint="j"/></actuator>'
-        '<contact><exclude body1="palm" body2="c"/></contact><equality><joint joint1="j"/></equality>'
+        '<contact><exclude body1="palm" body2="c"/>'
+        '<exclude body1="world" body2="c"/></contact><equality><joint joint1="j"/></equality>'
     )
     inside = (
         f'<body name="b" gravcomp="0">{INERTIAL}<joint name="j" armature="0" stiffness="0.0" springref="3"/>'
@@ -210,3 +233,19 @@ def test_what_changes_nothing_is_left_out() -> None:
     with_all, plain = model(inside, before), model(f'<body name="b">{INERTIAL}<joint name="j"/></body>')
     assert with_all.links == ("palm", "b", "c")
     assert with_all.joints["j"] == plain.joints["j"]
+
+
+def test_what_joints_are_built_without_is_said_once_of_each_kind() -> None:
+    chain = (
+        f'<body name="b">{INERTIAL}<joint name="j"/><body name="c">{INERTIAL}<joint name="k" armature="0.02"/>'
+        f'<body name="d">\n{INERTIAL}<joint name="l" armature="0.03" frictionloss="0"/></body></body></body>'
+    )
+    found_model = model(chain, '<default><joint frictionloss="0.5"/></default>')
+    plain = model(re.sub(r' (armature|frictionloss)="[^"]*"', "", chain))
+    armature, friction = found_model.warnings
+    assert {warning.code for warning in found_model.warnings} == {"left-out-of-joints"}
+    assert {warning.severity for warning in found_model.warnings} == {Severity.WARNING}
+    assert armature.message.startswith(f"x.xml:2:{len(INERTIAL) + 1}: <joint> l: its armature, 0.03, is left out, ")
+    assert "<joint> j: its frictionloss, 0.5, is left out, and that of other joints (1): " in friction.message
+    assert plain.warnings == ()
+    assert found_model.with_meshes({}) == plain.with_meshes({})

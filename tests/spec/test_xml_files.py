@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from xml.etree import ElementTree
 
 import pytest
 
@@ -49,13 +50,41 @@ def test_what_is_refused_is_refused_at_once(case: str) -> None:
     assert fault.hint
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "iso-8859-1", "windows-1252"])
+@pytest.mark.parametrize(
+    "encoding",
+    [
+        *("utf-8", "utf8", "UTF8", "utf_8", "utf-16", "UTF16", "iso-8859-1", "latin-1", "latin1", "ISO8859-1"),
+        *("windows-1252", "cp1252"),
+    ],
+)
 def test_elements_know_their_places(encoding: str) -> None:
     text = f"<?xml version='1.0' encoding='{encoding}'?>\n<robot name='é'>\n  <é/><link name='a'/></robot>"
     tree = xml_tree(text.encode(encoding), "robot.xml")
     assert tree.get("name") == "é"
     assert place_in("robot.xml", tree) == "robot.xml:2:1"
     assert place_in("robot.xml", tree[1]) == "robot.xml:3:7"
+
+
+@pytest.mark.parametrize("encoding", ["us-ascii", "US-ASCII", "ascii", "ASCII", "utf8", "latin-1", "utf-16", "utf16"])
+def test_what_the_writer_of_the_standard_library_declares(encoding: str) -> None:
+    written = ElementTree.tostring(ElementTree.Element("robot", name="é"), encoding, xml_declaration=True)
+    assert xml_tree(written, "robot.xml").get("name") == "é"
+
+
+@pytest.mark.parametrize(
+    "encoding", ["rot13", "idna", "unicode_escape", "utf-7", "utf-32", "utf-8-sig", "no.such", "."]
+)
+def test_other_codecs_are_unknown(encoding: str) -> None:
+    with pytest.raises(DiagnosticError) as caught:
+        xml_tree(f"<?xml version='1.0' encoding='{encoding}'?><r/>".encode(), "robot.xml")
+    assert [fault.code for fault in caught.value.diagnostics] == ["bad-xml"]
+
+
+def test_a_file_is_in_the_encoding_that_it_declares_by_another_name() -> None:
+    for encoding in ("utf8", "ascii"):
+        with pytest.raises(DiagnosticError) as caught:
+            xml_tree(f"<?xml version='1.0' encoding='{encoding}'?><r a='".encode() + b"\xe9'/>", "robot.xml")
+        assert "line 1, column" in caught.value.diagnostics[0].message
 
 
 def test_namespaces_are_spelt_out() -> None:
