@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
-from graspdsl.hands.kinematic_tree import MOST_FAULTS, Ends, KinematicTree
+from graspdsl.hands.inertia_check import check_inertias
+from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
 from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import FIXED, FIXED_JOINT, HINGES, LINK, MATERIAL, MOVING_JOINT
 from graspdsl.spec.named_files import refusal
@@ -82,19 +83,20 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     for joint, ends in joints.items():
         kind = FIXED_JOINT if ends.kind == FIXED else MOVING_JOINT
         made = check.copy(ends.element, kind, f"the joint {joint}")
-        models[joint] = (made, ends)
-    _masses(whole, joints, links, check)
+        models[joint] = (ends, made)
+    if not check.found:
+        check_inertias(whole, root, links, models, check)
     if check.found:
         raise DiagnosticError(check.found[:MOST_FAULTS])
     for link in links.values():
         _without_mass(link)
         kept.append(link)
-    kept.extend(made for made, _ in models.values())
+    kept.extend(made for _, made in models.values())
     return RobotModel(
         kept,
         root,
         tuple(links),
-        {joint: _joint(made, ends) for joint, (made, ends) in models.items()},
+        {joint: _joint(made, ends) for joint, (ends, made) in models.items()},
         tuple(dict.fromkeys(mesh.get("filename", "") for mesh in kept.iter("mesh"))),
         tuple(check.warnings),
     )
@@ -116,7 +118,7 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
     return tree
 
 
-def _moderate(below: Iterable[str], joints: Mapping[str, Ends], file: str) -> None:
+def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str) -> None:
     links = len(set(below))
     moving = sum(ends.kind in HINGES for ends in joints.values())
     for count, most, what in ((links, MOST_LINKS, "links"), (moving, MOST_HINGES, "joints that move")):
@@ -125,37 +127,13 @@ def _moderate(below: Iterable[str], joints: Mapping[str, Ends], file: str) -> No
             raise refusal("too-many-links", message, "name the link the hand begins with: root: …")
 
 
-def _joint(joint: ElementTree.Element, ends: Ends) -> ModelJoint:
+def _joint(joint: ElementTree.Element, ends: TreeJoint) -> ModelJoint:
     limit = joint.find("limit")
     limits, effort = None, None
     if limit is not None:
         limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
         effort = float(limit.get("effort", "0"))
     return ModelJoint(ends.kind, ends.parent, ends.child, limits, effort)
-
-
-def _masses(
-    whole: KinematicTree, joints: Mapping[str, Ends], links: Mapping[str, ElementTree.Element], check: UrdfCheck
-) -> None:
-    """A joint that moves needs mass behind it, and a mass that moves needs inertia: else the engine holds it still."""
-    for joint, ends in joints.items():
-        if ends.kind == FIXED or check.found:
-            continue
-        moved = [links[link] for link in whole.below(ends.child)]
-        heavy = [link for link in moved if _sum(link, "mass", ("value",)) > 0.0]
-        if not heavy:
-            message = f"the joint {joint} moves links without mass"
-            check.fault(ends.element, "no-mass", message, f"give {ends.child} an <inertial> with its mass")
-        for link in heavy:
-            if _sum(link, "inertia", ("ixx", "iyy", "izz")) == 0.0:
-                name = link.get("name", "")
-                hint = "work it out from its shape"
-                check.fault(whole.links[name], "wrong-inertia", f"the link {name} has a mass but no inertia", hint)
-
-
-def _sum(link: ElementTree.Element, tag: str, keys: tuple[str, ...]) -> float:
-    element = link.find(f"inertial/{tag}")
-    return 0.0 if element is None else sum(float(element.get(key, "0")) for key in keys)
 
 
 def _without_mass(link: ElementTree.Element) -> None:

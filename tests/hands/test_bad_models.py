@@ -66,6 +66,11 @@ def _inertia(**moments: str) -> tuple[str, str]:
     return FINGER_INERTIA, f"<inertia {' '.join(f'{key}={json.dumps(value)}' for key, value in whole.items())}/>"
 
 
+def _tip_inertia(ixx: str) -> tuple[str, str]:
+    whole = '<inertia ixx="1e-6" iyy="1e-6"'
+    return whole, whole.replace('ixx="1e-6"', f'ixx="{ixx}"')
+
+
 MODELS = (
     Case("joint twice", ('name="thumb-bend"', 'name="bend"'), "declared-twice", "there are two joints 'bend'"),
     Case("link twice", ('<link name="thumb">', '<link name="tip">'), "declared-twice", "there are two links 'tip'"),
@@ -85,6 +90,8 @@ MODELS = (
     Case("infinite inertia", _inertia(izz="1e999"), "out-of-range", "as the izz of <inertia>, found '1e999'"),
     Case("no inertia", _inertia(ixx="0", iyy="0", izz="0"), "wrong-inertia", "finger has a mass but no inertia"),
     Case("indefinite inertia", _inertia(ixy="2e-4"), "wrong-inertia", "-0.0001, 0.0001 and 0.0003"),
+    Case("inertia of no body", _inertia(ixx="3e-4"), "wrong-inertia", "0.0001, 0.0001 and 0.0003"),
+    Case("inertia of no body, fixed to a finger", _tip_inertia("3e-6"), "wrong-inertia", "1e-06, 1e-06 and 3e-06"),
     Case("inertia left out", (FINGER_INERTIA, ""), "missing-element", "<inertial> has no <inertia>"),
     Case("axis of nothing", (AXIS, '<axis xyz="0 0 0"/>'), "zero-axis", "the joint bend: its axis is zero"),
     Case("axis nan", (AXIS, '<axis xyz="0 nan 0"/>'), "not-a-number", "found '0 nan 0'"),
@@ -105,7 +112,7 @@ MODELS = (
     Case("negative velocity", _limit('velocity="2"', 'velocity="-2"'), "out-of-range", "as the velocity of <limit>"),
     Case("two roots", ("</robot>", '<link name="stray"/></robot>'), "no-root", "2 links have no parent"),
     Case("two parents", ("</robot>", f"{FIXED.format('tip')}</robot>"), "two-parents", "by the joints cell and c"),
-    Case("circle", (THUMB, THUMB.replace("palm", "thumb")), "joint-circle", "thumb have no way to a root"),
+    Case("cycle", (THUMB, THUMB.replace("palm", "thumb")), "joint-cycle", "the joints form a cycle: thumb"),
     Case("unknown parent", (THUMB, THUMB.replace("palm", "plam")), "unknown-link", "is 'plam', which is no link"),
     Case("no parent", (THUMB, THUMB.replace('<parent link="palm"/>', "")), "wrong-joint", "has 0 <parent>"),
     Case("unknown type", (THUMB, THUMB.replace("revolute", "screw")), "unknown-joint-type", "'screw'"),
@@ -235,11 +242,12 @@ def test_a_complaint_about_a_model_has_its_line_and_column(tmp_path: Path) -> No
     assert (fault.span.line, fault.span.column) == (2, 7)
 
 
-def test_an_inertia_that_no_body_has_is_a_warning(tmp_path: Path) -> None:
-    spec = write(tmp_path, changed(URDF, _inertia(ixx="3e-4")))
+def test_a_still_link_of_an_inertia_that_no_body_has_is_a_warning(tmp_path: Path) -> None:
+    palm = '<inertia ixx="1e-3" iyy="1e-3" izz="1e-3"'
+    spec = write(tmp_path, changed(URDF, (palm, palm.replace('ixx="1e-3"', 'ixx="3e-3"'))))
     (fault,) = examine(SPEC, "spec.yaml", (), tmp_path).diagnostics
     assert (fault.code, fault.severity) == ("wrong-inertia", Severity.WARNING)
-    assert "0.0001, 0.0001 and 0.0003" in fault.message
+    assert "0.001, 0.001 and 0.003" in fault.message
     assert CliRunner().invoke(app, ["validate", str(spec)]).exit_code == 0
     assert CliRunner().invoke(app, ["validate", str(tmp_path / "hand.yaml")]).exit_code == 0
 
