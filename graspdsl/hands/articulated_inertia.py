@@ -47,6 +47,12 @@ def pose_of(element: ElementTree.Element) -> tuple[Array, Array]:
     return place, rotation
 
 
+def axis_of(joint: ElementTree.Element) -> Array:
+    """The axis (3,) of a checked joint, in its own frame."""
+    axis = joint.find("axis")
+    return np.array(["1", "0", "0"] if axis is None else axis.get("xyz", "").split(), dtype=float)
+
+
 def inertia_tensor(link: ElementTree.Element) -> Array:
     """The moments and products of inertia (3, 3) [kg m²] of a checked link, about its centre of mass."""
     element = link.find("inertial/inertia")

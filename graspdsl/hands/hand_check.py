@@ -7,9 +7,10 @@ from collections.abc import Collection, Iterator, Sequence
 from pydantic_core import PydanticCustomError
 
 from graspdsl.diagnostics import Diagnostic, known_names_hint
-from graspdsl.hands.descriptions import Contact, Hand, names_taken
-from graspdsl.hands.robot_model import ModelJoint, RobotModel
-from graspdsl.hands.urdf_rules import FIXED, HINGES
+from graspdsl.hands.descriptions import Contact, Coupling, Hand, names_taken
+from graspdsl.hands.model_joints import origin_of_motion
+from graspdsl.hands.robot_model import RobotModel
+from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import folder_name
@@ -81,25 +82,23 @@ class _Check:
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
             )
 
-    def _movable(self, name: str, path: Path, movable: Collection[str]) -> Iterator[Diagnostic]:
+    def _movable(self, name: str, path: Path, movable: Collection[str], coupled: bool = False) -> Iterator[Diagnostic]:
         joint = self._model.joints.get(name)
         if joint is None:
             yield self._unknown("joint", name, path, movable, key=True)
         elif joint.kind not in HINGES:
-            message = f"the joint {name} is {joint.kind} in the model and cannot be driven"
+            locked = "" if joint.limits is None else f", for its limits are both {joint.limits[0]:g},"
+            message = f"the joint {name} is {joint.kind} in the model{locked} and cannot be driven"
             yield self._error("joint-not-movable", message, path, "only revolute and prismatic joints move", key=True)
-        elif joint.limits is None or joint.kind == "continuous":
+        elif joint.limits is None and not (coupled and joint.kind == CONTINUOUS):
             message = f"the joint {name} has no limits in the model"
             yield self._error("joint-without-limits", message, path, "make it revolute, with a <limit>", key=True)
-        elif joint.limits[0] >= joint.limits[1]:
-            message = f"the limits of the joint {name} leave no room: {joint.limits[0]:g} to {joint.limits[1]:g}"
-            yield self._error("out-of-range", message, path, "the lower limit must be below the upper one", key=True)
 
     def couplings(self) -> Iterator[Diagnostic]:
         movable = {name for name, joint in self._model.joints.items() if joint.kind in HINGES}
         for name, coupling in self._hand.couplings.items():
             path: Path = ("couplings", name)
-            yield from self._movable(name, path, movable)
+            yield from self._movable(name, path, movable, coupled=True)
             if name in self._hand.joints:
                 message = f"{name} is driven and coupled at once"
                 yield self._error("driven-and-coupled", message, path, "leave it out of one of the two", key=True)
@@ -112,6 +111,7 @@ class _Check:
                 yield self._error("wrong-coupling", f"{name} never moves: its ratio is 0", (*path, "ratio"), None)
             else:
                 yield from self._coupled_range(name, coupling.follows, coupling.ratio)
+                yield from self._mimicked(name, coupling)
 
     def _coupled_range(self, name: str, leader: str, ratio: float) -> Iterator[Diagnostic]:
         led, leading = self._limits(name), self._limits(leader)
@@ -121,6 +121,26 @@ class _Check:
         if low < led[0] - ROUNDING or high > led[1] + ROUNDING:
             message = f"{name} would move from {low:g} to {high:g}, beyond its limits {led[0]:g} to {led[1]:g}"
             yield self._error("wrong-coupling", message, ("couplings", name, "ratio"), f"narrow the limits of {leader}")
+
+    def _mimicked(self, name: str, coupling: Coupling) -> Iterator[Diagnostic]:
+        """What the model says by <mimic> and the hand file by a coupling must be the same."""
+        own = origin_of_motion(name, self._model.joints)
+        leading = origin_of_motion(coupling.follows, self._model.joints)
+        path: Path = ("couplings", name)
+        if own.joint != leading.joint:
+            if own.joint != name:
+                message = f"{name} mimics {shortened(own.joint)} in the model, and follows {coupling.follows} here"
+                yield self._error("wrong-coupling", message, (*path, "follows"), "let both say the same")
+            return
+        if abs(own.multiplier - coupling.ratio * leading.multiplier) > SAME * abs(own.multiplier):
+            ratio = f"{own.multiplier / leading.multiplier:.4g}" if leading.multiplier else "no number of"
+            message = f"by its <mimic> {name} is {ratio} times {coupling.follows}, found {coupling.ratio:g}"
+            yield self._error("wrong-coupling", message, (*path, "ratio"), "let both say the same")
+        offset = own.offset - coupling.ratio * leading.offset
+        if abs(offset) > ROUNDING:
+            message = f"by its <mimic> {name} is {offset:g} off where {coupling.follows} is 0: couplings have no offset"
+            hint = "put the offset into the <origin> of the joint, and change its limits by it"
+            yield self._error("wrong-coupling", message, (*path, "follows"), hint)
 
     def contacts(self) -> Iterator[Diagnostic]:
         for name, contact in self._hand.contacts.items():
@@ -180,17 +200,13 @@ class _Check:
                 limits = self._limits(name)
                 if name not in self._hand.joints:
                     yield self._unknown("joint", name, path, self._hand.joints, key=True)
-                elif (
-                    limits is not None
-                    and limits[0] < limits[1]
-                    and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING
-                ):
+                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
                     message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
                     yield self._error("out-of-range", message, path, "keep within the limits of the joint")
 
     def _limits(self, name: str) -> tuple[float, float] | None:
-        joint: ModelJoint | None = self._model.joints.get(name)
-        return None if joint is None else joint.limits
+        joint = self._model.joints.get(name)
+        return None if joint is None or joint.kind not in HINGES else joint.limits
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
@@ -205,3 +221,4 @@ class _Check:
 
 
 ROUNDING = 1e-6  # rad or m
+SAME = 1e-3  # of a multiplier: files have few digits

@@ -67,7 +67,7 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
 def completed(hand: Hand, model: RobotModel) -> Hand:
     """A hand with what its file leaves to its model.
 
-    The root is the model's, the palm the root; a finger is all driven joints between root and fingertip; open is the
+    The root is the model's, the palm the root; a finger is all driven joints that move its tip; open is the
     place of each joint that is nearest to 0, closed where the joints that close have gone as far as they can.
     """
     limits = {name: model.joints[name].limits or (0.0, 0.0) for name in hand.joints}
@@ -95,7 +95,8 @@ def completed(hand: Hand, model: RobotModel) -> Hand:
 def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
     if contact.finger:
         return contact
-    own = tuple(name for name in model.movers(contact.link) if name in hand.joints)
+    movers = (hand.couplings[name].follows if name in hand.couplings else name for name in model.movers(contact.link))
+    own = tuple(dict.fromkeys(name for name in movers if name in hand.joints))
     return contact.model_copy(update={"finger": own})
 
 

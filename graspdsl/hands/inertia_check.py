@@ -8,8 +8,17 @@ from xml.etree import ElementTree
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.hands.articulated_inertia import MOMENTS, FrameJoint, driven_inertias, inertia_tensor, mass_of, pose_of
-from graspdsl.hands.kinematic_tree import KinematicTree, TreeJoint
+from graspdsl.hands.articulated_inertia import (
+    MOMENTS,
+    FrameJoint,
+    axis_of,
+    driven_inertias,
+    inertia_tensor,
+    mass_of,
+    pose_of,
+)
+from graspdsl.hands.kinematic_tree import KinematicTree
+from graspdsl.hands.model_joints import CheckedJoint
 from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import FIXED, ROTATING
 
@@ -24,7 +33,7 @@ def check_inertias(
     whole: KinematicTree,
     root: str,
     links: Mapping[str, ElementTree.Element],
-    joints: Mapping[str, tuple[TreeJoint, ElementTree.Element]],
+    joints: Mapping[str, CheckedJoint],
     check: UrdfCheck,
 ) -> None:
     """Hold the inertias of checked links and joints against what the engine can move, and mend what is only rounded.
@@ -32,26 +41,29 @@ def check_inertias(
     A joint that moves needs mass behind it, and inertia about its axis: else the engine holds it still. It takes
     moments for zero of which one is negative or above the sum of the others.
     """
-    moving = {name: joint for name, (joint, _) in joints.items() if joint.kind != FIXED}
-    for name, joint in moving.items():
-        if not any(mass_of(links[link]) > 0.0 for link in whole.below(joint.child)):
+    moving = {name: checked for name, checked in joints.items() if checked.joint.kind != FIXED}
+    for name, checked in moving.items():
+        child = checked.joint.child
+        if not any(mass_of(links[link]) > 0.0 for link in whole.below(child)):
             message = f"the joint {name} moves links without mass"
-            check.fault(joint.element, "no-mass", message, f"give {joint.child} an <inertial> with its mass")
+            check.fault(checked.element, "no-mass", message, f"give {child} an <inertial> with its mass")
     if check.found:
         return
-    turned = {link for joint in moving.values() if joint.kind in ROTATING for link in whole.below(joint.child)}
+    turning = [checked.joint.child for checked in moving.values() if checked.joint.kind in ROTATING]
+    turned = {link for child in turning for link in whole.below(child)}
     for name, link in links.items():
         _check_moments(whole.links[name], link, name in turned and mass_of(link) > 0.0, check)
     if check.found:
         return
-    frames = {name: _frame(joint, made) for name, (joint, made) in joints.items()}
+    frames = {name: _frame(checked) for name, checked in joints.items()}
     for name, driven in driven_inertias(links, frames, root).items():
         if driven.articulated > max(AS_GOOD_AS_NONE * driven.greatest, NONE):
             continue
-        turns = moving[name].kind in ROTATING
+        joint = moving[name].joint
+        turns = joint.kind in ROTATING
         what = "turns links without inertia about its axis" if turns else "moves links without mass along its axis"
         message = f"the joint {name} {what}: the engine would hold it still"
-        check.fault(moving[name].element, "wrong-inertia", message, f"work out the inertia of {moving[name].child}")
+        check.fault(moving[name].element, "wrong-inertia", message, f"work out the inertia of {joint.child}")
 
 
 def _check_moments(element: ElementTree.Element, link: ElementTree.Element, turned: bool, check: UrdfCheck) -> None:
@@ -92,11 +104,8 @@ def _six(moments: Array, axes: Array) -> Iterator[float]:
     return iter((xx, yy, zz, xy, xz, yz))
 
 
-def _frame(joint: TreeJoint, made: ElementTree.Element) -> FrameJoint:
-    place, rotation = pose_of(made)
-    axis = made.find("axis")
-    direction = np.array(["1", "0", "0"] if axis is None else axis.get("xyz", "").split(), dtype=float)
+def _frame(checked: CheckedJoint) -> FrameJoint:
     along = np.zeros(6)
-    if joint.kind != FIXED:
-        along[slice(0, 3) if joint.kind in ROTATING else slice(3, 6)] = direction
-    return FrameJoint(joint.parent, joint.child, place, rotation, along)
+    if checked.joint.kind != FIXED:
+        along[slice(0, 3) if checked.joint.kind in ROTATING else slice(3, 6)] = axis_of(checked.made)
+    return FrameJoint(checked.joint.parent, checked.joint.child, *pose_of(checked.made), along)

@@ -8,7 +8,6 @@ from itertools import chain, islice
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
-from graspdsl.hands.urdf_rules import FIXED, HINGES
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in
@@ -101,11 +100,7 @@ class _Reading:
                 seen[name] = element
 
     def _ends(self, joint: ElementTree.Element, links: Mapping[str, ElementTree.Element]) -> Iterator[Diagnostic]:
-        name, kind = joint.get("name", ""), joint.get("type")
-        if kind != FIXED and kind not in HINGES:
-            found = "has no type" if kind is None else f"is of the type {shortened(kind)!r}"
-            hint = f"known types: {', '.join((FIXED, *HINGES))}"
-            yield self._fault(joint, "unknown-joint-type", f"the joint {name} {found}", hint)
+        name = joint.get("name", "")
         for tag in ("parent", "child"):
             ends = joint.findall(tag)
             link = ends[0].get("link", "") if ends else ""

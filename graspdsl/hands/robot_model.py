@@ -9,25 +9,15 @@ from xml.etree import ElementTree
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
 from graspdsl.hands.inertia_check import check_inertias
 from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
+from graspdsl.hands.model_joints import ModelJoint, checked_joint
 from graspdsl.hands.urdf_check import UrdfCheck
-from graspdsl.hands.urdf_rules import FIXED, FIXED_JOINT, HINGES, LINK, MATERIAL, MOVING_JOINT
+from graspdsl.hands.urdf_rules import HINGES, LINK, MATERIAL
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_LINKS = 100  # the engine takes seconds for more: its time grows with their cube
 MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
-
-
-@dataclass(frozen=True, slots=True)
-class ModelJoint:
-    """A joint of a model: its kind, the links it joins, its limits [rad or m], None where it has none."""
-
-    kind: str
-    parent: str
-    child: str
-    limits: tuple[float, float] | None
-    effort: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,33 +60,29 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
         raise refusal(
             "unknown-root", f"there is no link {root!r} in the model", known_names_hint(root, whole.links, "links")
         )
-    root = root or whole.root
+    rooted, root = bool(root), root or whole.root
     below = whole.below(root)
-    joints = {joint: ends for joint, ends in whole.joints.items() if ends.parent in below}
-    _moderate(below, joints, name)
+    joints = {joint: found for joint, found in whole.joints.items() if found.parent in below}
+    _moderate(below, joints, name, rooted)
     check = UrdfCheck(name)
     kept = ElementTree.Element("robot", name="hand")
     for material in robot.findall("material"):
         kept.append(check.copy(material, MATERIAL, "a material"))
     links = {link: check.copy(whole.links[link], LINK, f"the link {link}") for link in whole.links if link in below}
-    models = {}
-    for joint, ends in joints.items():
-        kind = FIXED_JOINT if ends.kind == FIXED else MOVING_JOINT
-        made = check.copy(ends.element, kind, f"the joint {joint}")
-        models[joint] = (ends, made)
+    checked = {joint: checked_joint(joint, found, check) for joint, found in joints.items()}
     if not check.found:
-        check_inertias(whole, root, links, models, check)
+        check_inertias(whole, root, links, checked, check)
     if check.found:
         raise DiagnosticError(check.found[:MOST_FAULTS])
     for link in links.values():
         _without_mass(link)
         kept.append(link)
-    kept.extend(made for _, made in models.values())
+    kept.extend(found.made for found in checked.values())
     return RobotModel(
         kept,
         root,
         tuple(links),
-        {joint: _joint(made, ends) for joint, (ends, made) in models.items()},
+        {joint: found.joint for joint, found in checked.items()},
         tuple(dict.fromkeys(mesh.get("filename", "") for mesh in kept.iter("mesh"))),
         tuple(check.warnings),
     )
@@ -118,22 +104,14 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
     return tree
 
 
-def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str) -> None:
+def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str, rooted: bool) -> None:
     links = len(set(below))
-    moving = sum(ends.kind in HINGES for ends in joints.values())
+    moving = sum(joint.kind in HINGES for joint in joints.values())
     for count, most, what in ((links, MOST_LINKS, "links"), (moving, MOST_HINGES, "joints that move")):
         if count > most:
             message = f"{file} has {count} {what} below the root, where a hand may have {most}"
-            raise refusal("too-many-links", message, "name the link the hand begins with: root: …")
-
-
-def _joint(joint: ElementTree.Element, ends: TreeJoint) -> ModelJoint:
-    limit = joint.find("limit")
-    limits, effort = None, None
-    if limit is not None:
-        limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-        effort = float(limit.get("effort", "0"))
-    return ModelJoint(ends.kind, ends.parent, ends.child, limits, effort)
+            hint = "name a root nearer to the fingers" if rooted else "name the link the hand begins with: root: …"
+            raise refusal("too-many-links", message, hint)
 
 
 def _without_mass(link: ElementTree.Element) -> None:

@@ -111,7 +111,7 @@ class UrdfCheck:
                 )
             else:
                 copied.set("xyz", " ".join(repr(float(x)) for x in values["xyz"] / length))
-        elif element.tag == "limit" and values["lower"] > values["upper"]:
+        elif element.tag == "limit" and "lower" in values and values["lower"] > values["upper"]:
             low, high = float(values["lower"][0]), float(values["upper"][0])
             message = f"{owner}: its limits leave no room: {low:g} to {high:g}"
             self.fault(element, "out-of-range", message, "the lower limit must be below the upper one")

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 FIXED = "fixed"
-ROTATING = ("revolute", "continuous")
+CONTINUOUS = "continuous"
+ROTATING = ("revolute", CONTINUOUS)
 HINGES = (*ROTATING, "prismatic")
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
 MESHES = (".stl", ".obj")
@@ -109,16 +110,24 @@ _END = ElementRule(texts=("link",))
 _ENDS = {"parent": _END, "child": _END, "origin": _ORIGIN}
 _PLACE = NumberRule(-100.0, 100.0, "rad or m", otherwise="0")
 _STRENGTH = NumberRule(0.0, 1e6, "", otherwise="0")
-FIXED_JOINT = ElementRule(texts=("name", "type"), children=_ENDS, needed=("parent", "child"))
+_FACTOR = NumberRule(-1e6, 1e6, "", otherwise="1")
+_STRENGTHS = {"effort": _STRENGTH, "velocity": _STRENGTH}
+_MOTION = {
+    **_ENDS,
+    "axis": ElementRule({"xyz": NumberRule(-1e6, 1e6, "", 3)}),
+    "mimic": ElementRule({"multiplier": _FACTOR, "offset": _PLACE}, ("joint",)),
+    "dynamics": ElementRule(
+        {"damping": NumberRule(0.0, 1e4, "", otherwise=""), "friction": NumberRule(0.0, 1e4, "", otherwise="")}
+    ),
+}
+_NAMED = ("name", "type")
+_NEEDED = ("parent", "child")
+FIXED_JOINT = ElementRule(texts=_NAMED, children=_ENDS, needed=_NEEDED)
 MOVING_JOINT = ElementRule(
-    texts=("name", "type"),
-    children={
-        **_ENDS,
-        "axis": ElementRule({"xyz": NumberRule(-1e6, 1e6, "", 3)}),
-        "limit": ElementRule({"lower": _PLACE, "upper": _PLACE, "effort": _STRENGTH, "velocity": _STRENGTH}),
-        "dynamics": ElementRule(
-            {"damping": NumberRule(0.0, 1e4, "", otherwise=""), "friction": NumberRule(0.0, 1e4, "", otherwise="")}
-        ),
-    },
-    needed=("parent", "child"),
+    texts=_NAMED,
+    children={**_MOTION, "limit": ElementRule({"lower": _PLACE, "upper": _PLACE, **_STRENGTHS})},
+    needed=_NEEDED,
 )
+CONTINUOUS_JOINT = ElementRule(
+    texts=_NAMED, children={**_MOTION, "limit": ElementRule(_STRENGTHS)}, needed=_NEEDED
+)  # URDF passes over limits of its place

@@ -104,7 +104,7 @@ MODELS = (
     Case("limits nan", _limit("-0.5", "nan"), "not-a-number", "as the lower of <limit>, found 'nan'"),
     Case("limits infinite", _limit('upper="1"', 'upper="inf"'), "not-a-number", "as the upper of <limit>, found 'inf'"),
     Case("limits turned", _limit("-0.5", "2"), "out-of-range", "its limits leave no room: 2 to 1"),
-    Case("limits equal", _limit("-0.5", "1"), "out-of-range", "leave no room: 1 to 1"),
+    Case("limits equal", _limit("-0.5", "1"), "joint-not-movable", "its limits are both 1, and"),
     Case("no limits", (LIMIT, AXIS), "joint-without-limits", "the joint bend has no limits"),
     Case(
         "negative effort", _limit('effort="1"', 'effort="-1"'), "out-of-range", "as the effort of <limit>, found '-1'"
