@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pydantic_core import PydanticCustomError
 
 from graspdsl.diagnostics import Diagnostic, known_names_hint
-from graspdsl.hands.descriptions import Contact, Coupling, Hand, names_taken
+from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
 from graspdsl.hands.model_joints import origin_of_motion
 from graspdsl.hands.robot_model import RobotModel
 from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES
@@ -36,7 +36,7 @@ class _Check:
         self._hand, self._model, self._document = hand, model, document
 
     def names(self) -> Iterator[Diagnostic]:
-        """Names of the hand's own, which stand in formulas and on pages, and those that its mount has already."""
+        """Names of the hand's own, which stand in formulas and on pages, and those that every robot has already."""
         own: dict[Path, Collection[str]] = {
             ("contacts",): self._hand.contacts,
             ("joint_sets",): self._hand.joint_sets,
@@ -49,21 +49,18 @@ class _Check:
                 except PydanticCustomError as error:
                     context = error.context or {}
                     yield self._error(error.type, context["message"], (*path, name), context["hint"], key=True)
-        taken = names_taken()
-        links, joints, sets = taken["link"], taken["joint"], taken["joint set"]
-        for what, names, others in (
-            ("link", self._model.links, links),
-            ("joint", self._model.joints, {**joints, **sets}),
-        ):
-            for name in sorted({*names} & {*others}):
-                message = f"the {what} {name} of the model has the name of {others[name]}"
-                key = "mjcf" if self._hand.mjcf else "urdf"
-                yield self._error("name-taken", message, (key,), "rename it in the model")
+        if MOUNTING in self._model.joints:
+            message = f"the joint {MOUNTING} of the model has the name of the joint between mount and hand"
+            key = "mjcf" if self._hand.mjcf else "urdf"
+            yield self._error("name-taken", message, (key,), "rename it in the model")
+        others = {**dict.fromkeys(self._model.joints, "a joint"), ALL: "the set of all joints"}
         for name in self._hand.joint_sets:
-            others = {**dict.fromkeys(self._model.joints, "a joint"), **joints, **sets}
             if name in others:
                 message = f"the joint set {name} has the name of {others[name]}"
                 yield self._error("name-taken", message, ("joint_sets", name), "give it another name", key=True)
+        for name in sorted({*self._hand.joints} & {ALL}):
+            message = f"the joint {name} has the name of the set of all joints"
+            yield self._error("name-taken", message, ("joints", name), "rename it in the model", key=True)
 
     def links(self) -> Iterator[Diagnostic]:
         for key, link in (("root", self._hand.root), ("palm", self._hand.palm)):

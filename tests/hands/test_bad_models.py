@@ -50,6 +50,7 @@ BOX = '<box size="0.01 0.01 0.04"/>'
 BALL = '<sphere radius="0.01"/>'
 TUBE = '<cylinder radius="0.01" length="0.02"/>'
 FIXED = '<joint name="c" type="fixed"><parent link="palm"/><child link="{}"/></joint>'
+MOUNTING = FIXED.replace('"c"', '"mounting"')
 PLACE = '<origin xyz="0.03 0 0"/>'
 
 
@@ -141,9 +142,9 @@ MODELS = (
     Case("colour", ("0.5 0.5 0.5 1", "0.5 0.5 nan 1"), "not-a-number", "as the rgba of <color>"),
     Case(
         "taken name",
-        ("</robot>", f'<link name="mount-face"/>{FIXED.format("mount-face")}</robot>'),
+        ("</robot>", f'<link name="a"/>{MOUNTING.format("a")}</robot>'),
         "name-taken",
-        "has the name of a link of the mount",
+        "the joint mounting of the model has the name of the joint between mount and hand",
     ),
     Case(
         "macros", ("</robot>", '<x:m xmlns:x="http://www.ros.org/wiki/xacro"/></robot>'), "not-a-urdf", "a xacro file"
