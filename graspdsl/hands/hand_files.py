@@ -10,6 +10,7 @@ from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.hand_check import faults
 from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
+from graspdsl.hands.urdf_check import undrawn
 from graspdsl.spec.document import Document, parse_document
 from graspdsl.spec.files import SIZE_LIMIT
 from graspdsl.spec.named_files import SpecFolder, refusal
@@ -58,10 +59,11 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
         if found:
             raise DiagnosticError(in_reading_order(found))
         places = {mesh: _mesh(files, name, hand.urdf, mesh, document) for mesh in model.meshes}
+        drawn, undrawn_meshes = _drawn_meshes(files, name, hand.urdf, model, document)
     except DiagnosticError as error:
         raise HandFileError(name, text, error) from None
-    warnings = tuple(_placed(warning, document) for warning in model.warnings)
-    return FoundHand(completed(hand, model), model.with_meshes(places), warnings)
+    warnings = tuple(_placed(warning, document) for warning in (*model.warnings, *undrawn_meshes))
+    return FoundHand(completed(hand, model), model.with_meshes({**places, **drawn}), warnings)
 
 
 def completed(hand: Hand, model: RobotModel) -> Hand:
@@ -136,6 +138,20 @@ def _mesh(files: SpecFolder, name: str, urdf: str, mesh: str, document: Document
         return str(files.place(inside).resolve())
     assert missing is not None
     raise _at(missing, document)
+
+
+def _drawn_meshes(
+    files: SpecFolder, name: str, urdf: str, model: RobotModel, document: Document
+) -> tuple[dict[str, str], tuple[Diagnostic, ...]]:
+    """Where the meshes are that are only drawn, and a warning for each kind of those that cannot be."""
+    places, faults = dict[str, str](), dict[str, Diagnostic]()
+    for mesh in model.drawn:
+        try:
+            places[mesh] = _mesh(files, name, urdf, mesh, document)
+        except DiagnosticError as error:
+            fault = error.diagnostics[0]
+            faults.setdefault(fault.code, undrawn(fault, "this mesh"))
+    return places, tuple(faults.values())
 
 
 def _beside(name: str, other: str) -> str:

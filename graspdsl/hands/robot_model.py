@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
@@ -11,7 +12,7 @@ from graspdsl.hands.inertia_check import check_inertias
 from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
 from graspdsl.hands.model_joints import ModelJoint, checked_joint
 from graspdsl.hands.urdf_check import UrdfCheck
-from graspdsl.hands.urdf_rules import HINGES, LINK, MATERIAL
+from graspdsl.hands.urdf_rules import HINGES, LINK, ROBOT
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in, xml_tree
@@ -23,20 +24,29 @@ MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
 @dataclass(frozen=True, slots=True)
 class RobotModel:
     """A model below its root: its XML as far as it was checked, its links, its joints by name, the mesh files that it
-    names, and what is doubtful about it."""
+    names, those that are only drawn apart, and what is doubtful about it."""
 
     tree: ElementTree.Element
     root: str
     links: tuple[str, ...]
     joints: Mapping[str, ModelJoint]
     meshes: tuple[str, ...]
+    drawn: tuple[str, ...]
     warnings: tuple[Diagnostic, ...] = ()
 
     def with_meshes(self, places: Mapping[str, str]) -> str:
-        """The text of the model, its mesh files named by their places."""
-        for mesh in self.tree.iter("mesh"):
-            mesh.set("filename", places.get(mesh.get("filename", ""), ""))
-        return ElementTree.tostring(self.tree, encoding="unicode")
+        """The text of the model, its mesh files named by their places; looks of one without a place are left out.
+
+        Raises KeyError for one of ``meshes`` without a place.
+        """
+        tree = deepcopy(self.tree)
+        for link in tree.findall("link"):
+            for visual in link.findall("visual"):
+                if any(mesh.get("filename", "") not in places for mesh in visual.iter("mesh")):
+                    link.remove(visual)
+        for mesh in tree.iter("mesh"):
+            mesh.set("filename", places[mesh.get("filename", "")])
+        return ElementTree.tostring(tree, encoding="unicode")
 
     def movers(self, link: str) -> tuple[str, ...]:
         """The joints from the root to a link, the first one first."""
@@ -65,9 +75,8 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     joints = {joint: found for joint, found in whole.joints.items() if found.parent in below}
     _moderate(below, joints, name, rooted)
     check = UrdfCheck(name)
-    kept = ElementTree.Element("robot", name="hand")
-    for material in robot.findall("material"):
-        kept.append(check.copy(material, MATERIAL, "a material"))
+    kept = check.copy(robot, ROBOT, "a material")
+    kept.set("name", "hand")
     links = {link: check.copy(whole.links[link], LINK, f"the link {link}") for link in whole.links if link in below}
     checked = {joint: checked_joint(joint, found, check) for joint, found in joints.items()}
     if not check.found:
@@ -78,12 +87,14 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
         _without_mass(link)
         kept.append(link)
     kept.extend(found.made for found in checked.values())
+    meshes = _meshes(kept, "collision")
     return RobotModel(
         kept,
         root,
         tuple(links),
         {joint: found.joint for joint, found in checked.items()},
-        tuple(dict.fromkeys(mesh.get("filename", "") for mesh in kept.iter("mesh"))),
+        meshes,
+        tuple(name for name in _meshes(kept, "visual") if name not in meshes),
         tuple(check.warnings),
     )
 
@@ -112,6 +123,11 @@ def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str, 
             message = f"{file} has {count} {what} below the root, where a hand may have {most}"
             hint = "name a root nearer to the fingers" if rooted else "name the link the hand begins with: root: …"
             raise refusal("too-many-links", message, hint)
+
+
+def _meshes(robot: ElementTree.Element, use: str) -> tuple[str, ...]:
+    found = robot.iterfind(f"link/{use}/geometry/mesh")
+    return tuple(dict.fromkeys(mesh.get("filename", "") for mesh in found))
 
 
 def _without_mass(link: ElementTree.Element) -> None:

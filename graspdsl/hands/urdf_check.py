@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
 
 from graspdsl.diagnostics import Diagnostic, Severity, listed
-from graspdsl.hands.urdf_rules import MESHES, SHAPES, UNDRAWN, ElementRule, NumberRule
+from graspdsl.hands.urdf_rules import MESHES, SHAPES, ElementRule, NumberRule
 from graspdsl.spec.wording import as_yaml, shortened
 from graspdsl.spec.xml_files import place_in
 
@@ -22,6 +22,12 @@ LONGEST_PATH = 1000  # characters
 SMALLEST = 1e-9  # of the largest component of an axis, and of a scale
 
 
+def undrawn(fault: Diagnostic, what: str) -> Diagnostic:
+    """The warning of a fault in what is only drawn."""
+    message = f"{fault.message}; {what}, and others like it, are not drawn"
+    return replace(fault, code="undrawn", message=message, severity=Severity.WARNING)
+
+
 @dataclass(slots=True)
 class UrdfCheck:
     """Copies elements of a file, noting faults and warnings."""
@@ -29,6 +35,7 @@ class UrdfCheck:
     file: str
     found: list[Diagnostic] = field(default_factory=list)
     warnings: list[Diagnostic] = field(default_factory=list)
+    _undrawn: set[tuple[str, str]] = field(default_factory=set)
 
     def copy(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> ElementTree.Element:
         """The element with only what its rule has; ``owner`` is what it belongs to, for messages."""
@@ -42,8 +49,9 @@ class UrdfCheck:
                 copied.set(key, " ".join(map(repr, values)))
         self._stands_once(element, rule, owner)
         for child in element:
-            if child.tag in rule.children and not self._undrawn(child, owner):
-                copied.append(self.copy(child, rule.children[child.tag], owner))
+            inner = rule.children.get(child.tag)
+            if inner is not None:
+                copied.extend(self._drawn(child, inner, owner) if inner.drawn else [self.copy(child, inner, owner)])
         if len(self.found) == before:
             self._together(element, copied, owner)
         return copied
@@ -118,15 +126,20 @@ class UrdfCheck:
         elif element.tag == "mesh":
             self._mesh(element, values, owner)
 
-    def _undrawn(self, element: ElementTree.Element, owner: str) -> bool:
-        """Whether an element is only drawn, and of a format that is not."""
-        mesh = element.find("geometry/mesh") if element.tag == "visual" else None
-        name = "" if mesh is None else mesh.get("filename", "")
-        if PurePosixPath(name).suffix.lower() != UNDRAWN:
-            return False
-        message = f"{owner}: {shortened(name)!r} is not drawn"
-        self.warn(element, "undrawn-mesh", message, f"convert it to {listed(MESHES, 'or')}")
-        return True
+    def _drawn(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> list[ElementTree.Element]:
+        """The copy of an element that is only drawn; none, and a warning, when there is a fault in it."""
+        before = len(self.found)
+        copied = self.copy(element, rule, owner)
+        faults = self.found[before:]
+        del self.found[before:]
+        if not faults:
+            return [copied]
+        fault = faults[0]
+        kind = element.tag, fault.code
+        if kind not in self._undrawn:
+            self._undrawn.add(kind)
+            self.warnings.append(undrawn(fault, f"this <{element.tag}>"))
+        return []
 
     def _mesh(self, element: ElementTree.Element, values: dict[str, np.ndarray], owner: str) -> None:
         name = element.get("filename", "")
@@ -135,7 +148,7 @@ class UrdfCheck:
             self.fault(element, "missing-key", f"{owner}: its <mesh> {what}", 'write filename="part.stl"')
         elif PurePosixPath(name).suffix.lower() not in MESHES:
             message = f"{owner}: its <mesh> is of an unknown format: {shortened(name)!r}"
-            self.fault(element, "unknown-mesh-format", message, f"expected {listed(MESHES, 'or')}")
+            self.fault(element, "unknown-mesh-format", message, f"convert it to {listed(MESHES, 'or')}")
         elif "scale" in values and not (np.abs(values["scale"]) > SMALLEST).all():
             self.fault(
                 element, "out-of-range", f"{owner}: the scale of its <mesh> is zero", "write the size of a unit in m"

@@ -14,8 +14,7 @@ CONTINUOUS = "continuous"
 ROTATING = ("revolute", CONTINUOUS)
 HINGES = (*ROTATING, "prismatic")
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
-MESHES = (".stl", ".obj")
-UNDRAWN = ".dae"  # the engine falls over files of this kind that lack something
+MESHES = (".stl", ".obj")  # the engine falls over some files of others
 
 FARTHEST = 10.0  # m
 HEAVIEST = 100.0  # kg
@@ -38,7 +37,10 @@ class NumberRule:
 
 @dataclass(frozen=True, slots=True)
 class ElementRule:
-    """What an element has: its numbers, attributes of text, what stands in it, what of that has to and may often."""
+    """What an element has: its numbers, attributes of text, what stands in it, what of that has to and may often.
+
+    One that is only ``drawn`` is left out when something is wrong in it.
+    """
 
     numbers: Mapping[str, NumberRule] = field(default_factory=dict)
     texts: tuple[str, ...] = ()
@@ -46,6 +48,7 @@ class ElementRule:
     needed: tuple[str, ...] = ()
     many: tuple[str, ...] = ()
     only_one: bool = False
+    drawn: bool = False
 
 
 def _length() -> NumberRule:
@@ -85,11 +88,11 @@ _GEOMETRY = ElementRule(
     },
     only_one=True,
 )
-MATERIAL = ElementRule(
-    texts=("name",), children={"color": ElementRule({"rgba": NumberRule(0.0, 1.0, "", 4, otherwise="")})}
-)
+_COLOUR = ElementRule({"rgba": NumberRule(0.0, 1.0, "", 4, otherwise="")}, drawn=True)
+_MATERIAL = ElementRule(texts=("name",), children={"color": _COLOUR}, drawn=True)
+ROBOT = ElementRule(children={"material": _MATERIAL}, many=("material",))
 _COLLISION = ElementRule(children={"origin": _ORIGIN, "geometry": _GEOMETRY}, needed=("geometry",))
-_VISUAL = ElementRule(children={**_COLLISION.children, "material": MATERIAL}, needed=("geometry",))
+_VISUAL = ElementRule(children={**_COLLISION.children, "material": _MATERIAL}, needed=("geometry",), drawn=True)
 _CONTACT = ElementRule(
     children={
         "lateral_friction": _value(10.0),

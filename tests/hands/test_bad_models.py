@@ -122,24 +122,23 @@ MODELS = (
     Case("negative box", (BOX, '<box size="0.01 -0.01 0.04"/>'), "out-of-range", "as the size of <box>"),
     Case("flat box", (BOX, '<box size="0.01 0 0.04"/>'), "out-of-range", "above 0, up to 10 (m)"),
     Case("no box", (BOX, "<box/>"), "not-a-number", "as the size of <box>, found nothing"),
-    Case("ball nan", (BALL, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
-    Case("ball of nothing", (BALL, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
+    Case("ball nan", (TUBE, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
+    Case("ball of nothing", (TUBE, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
     Case(
         "endless tube", (TUBE, '<cylinder radius="0.01" length="1e999"/>'), "out-of-range", "the length of <cylinder>"
     ),
-    Case("cone", (BALL, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
-    Case("two shapes", (BALL, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
-    Case("no shape", (BALL, ""), "wrong-shape", "found none"),
-    Case("mesh of nothing", (BALL, "<mesh/>"), "missing-key", "its <mesh> names no file"),
-    Case("mesh of another kind", (BALL, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
-    Case("mesh elsewhere", (BALL, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
+    Case("cone", (TUBE, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
+    Case("two shapes", (TUBE, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
+    Case("no shape", (TUBE, ""), "wrong-shape", "found none"),
+    Case("mesh of nothing", (TUBE, "<mesh/>"), "missing-key", "its <mesh> names no file"),
+    Case("mesh of another kind", (TUBE, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
+    Case("mesh elsewhere", (TUBE, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
     Case(
         "mesh scale",
-        (BALL, '<mesh filename="a.stl" scale="1 0 1"/>'),
+        (TUBE, '<mesh filename="a.stl" scale="1 0 1"/>'),
         "out-of-range",
         "the scale of its <mesh> is zero",
     ),
-    Case("colour", ("0.5 0.5 0.5 1", "0.5 0.5 nan 1"), "not-a-number", "as the rgba of <color>"),
     Case(
         "taken name",
         ("</robot>", f'<link name="a"/>{MOUNTING.format("a")}</robot>'),
@@ -232,12 +231,12 @@ def test_many_complaints_of_long_names_stay_short(tmp_path: Path) -> None:
 
 
 def test_a_complaint_about_a_model_has_its_line_and_column(tmp_path: Path) -> None:
-    write(tmp_path, changed(URDF, (BALL, '<sphere radius="-1"/>')))
+    write(tmp_path, changed(URDF, (TUBE, '<sphere radius="-1"/>')))
     with pytest.raises(HandFileError) as caught:
         hand_in(SpecFolder(tmp_path), "hand.yaml")
     (fault,) = caught.value.diagnostics
-    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if BALL in text)
-    column = URDF.split("\n")[line - 1].index(BALL) + 1
+    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if TUBE in text)
+    column = URDF.split("\n")[line - 1].index(TUBE) + 1
     assert fault.message.startswith(f"two.urdf:{line}:{column}: the link tip: ")
     assert fault.span is not None
     assert (fault.span.line, fault.span.column) == (2, 7)

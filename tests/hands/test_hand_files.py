@@ -125,7 +125,7 @@ MODELS = (
     ({"urdf": "<!DOCTYPE robot [<!ENTITY a 'aaaa'>]><robot/>"}, "document type"),
     ({"urdf": "<mujoco/>"}, "0 bodies"),
     ({"urdf": "<html/>"}, "<html>"),
-    ({"mesh": "<visual><geometry><mesh filename='no.stl'/></geometry></visual>"}, "no.stl"),
+    ({"mesh": "<collision><geometry><mesh filename='no.stl'/></geometry></collision>"}, "no.stl"),
     ({"lower": "2"}, "leave no room"),
     ({"lower": "wide"}, "expected a number"),
 )
