@@ -207,10 +207,9 @@ class _Check:
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        message = f"there is no {what} {shortened(name)!r} in the model"
         if what == "joint" and name in self._model.joints:
-            message = f"{name} is not among the driven joints"
-        return self._error(f"unknown-{what}", message, path, hint, key)
+            return self._error("joint-not-driven", f"{name} is not among the driven joints", path, hint, key)
+        return self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r} in the model", path, hint, key)
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)

@@ -7,10 +7,10 @@ from copy import deepcopy
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
 from graspdsl.hands.inertia_check import check_inertias
 from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
-from graspdsl.hands.model_joints import ModelJoint, checked_joint
+from graspdsl.hands.model_joints import CheckedJoint, ModelJoint, checked_joint
 from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import HINGES, LINK, ROBOT
 from graspdsl.spec.named_files import refusal
@@ -18,6 +18,7 @@ from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_LINKS = 100  # the engine takes seconds for more: its time grows with their cube
+MOST_NAMED = 5  # joints in a warning
 MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
 
 
@@ -79,6 +80,7 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
     kept.set("name", "hand")
     links = {link: check.copy(whole.links[link], LINK, f"the link {link}") for link in whole.links if link in below}
     checked = {joint: checked_joint(joint, found, check) for joint, found in joints.items()}
+    _warn_of_friction(checked, check)
     if not check.found:
         check_inertias(whole, root, links, checked, check)
     if check.found:
@@ -108,7 +110,7 @@ def _parsed(content: bytes, name: str) -> ElementTree.Element:
     if tree.tag != "robot":
         message = f"{name} is no URDF: its root is <{shortened(tree.tag)}>, not <robot>"
         raise refusal("not-a-urdf", message, "name a URDF or a MJCF file")
-    macro = next((element for element in tree if element.tag.startswith("{http://") and "xacro" in element.tag), None)
+    macro = next((element for element in tree.iter() if "xacro" in element.tag.rpartition("}")[0]), None)
     if macro is not None:
         message = f"{place_in(name, macro)}: this is a xacro file, not yet a URDF"
         raise refusal("not-a-urdf", message, "expand it: xacro hand.xacro > hand.urdf")
@@ -123,6 +125,19 @@ def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str, 
             message = f"{file} has {count} {what} below the root, where a hand may have {most}"
             hint = "name a root nearer to the fingers" if rooted else "name the link the hand begins with: root: …"
             raise refusal("too-many-links", message, hint)
+
+
+def _warn_of_friction(joints: Mapping[str, CheckedJoint], check: UrdfCheck) -> None:
+    """The engine reads the friction of a joint and does nothing with it."""
+    rubbing = [
+        name
+        for name, joint in joints.items()
+        if any(float(dynamics.get("friction", "0")) > 0.0 for dynamics in joint.made.iterfind("dynamics"))
+    ]
+    if rubbing:
+        names = listed([*rubbing[:MOST_NAMED], *(["others"] if len(rubbing) > MOST_NAMED else [])])
+        message = f"the friction in {names} has no effect: the engine's joints have none"
+        check.warn(joints[rubbing[0]].element, "no-effect", message, "give them damping, or leave it out")
 
 
 def _meshes(robot: ElementTree.Element, use: str) -> tuple[str, ...]:

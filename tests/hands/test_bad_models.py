@@ -51,6 +51,8 @@ BALL = '<sphere radius="0.01"/>'
 TUBE = '<cylinder radius="0.01" length="0.02"/>'
 FIXED = '<joint name="c" type="fixed"><parent link="palm"/><child link="{}"/></joint>'
 MOUNTING = FIXED.replace('"c"', '"mounting"')
+XACRO = 'xmlns:x="{}"'
+MACROS = ("not-a-urdf", "a xacro file")
 PLACE = '<origin xyz="0.03 0 0"/>'
 
 
@@ -145,9 +147,9 @@ MODELS = (
         "name-taken",
         "the joint mounting of the model has the name of the joint between mount and hand",
     ),
-    Case(
-        "macros", ("</robot>", '<x:m xmlns:x="http://www.ros.org/wiki/xacro"/></robot>'), "not-a-urdf", "a xacro file"
-    ),
+    Case("macros", ("</robot>", f"<x:m {XACRO.format('http://www.ros.org/wiki/xacro')}/></robot>"), *MACROS),
+    Case("inner macros", (PLACE, f"<x:m {XACRO.format('https://wiki.ros.org/xacro')}>{PLACE}</x:m>"), *MACROS),
+    Case("macros of old", (PLACE, f"<x:m {XACRO.format('xacro')}/>{PLACE}"), *MACROS),
     Case("encoding", ('<robot name="two">', "<?xml version='1.0' encoding='wide'?><robot>"), "bad-xml", "'wide'"),
     Case("document type", ('<robot name="two">', "<!DOCTYPE robot><robot>"), "bad-xml", "declares a document type"),
     Case("no XML", ("</robot>", ""), "bad-xml", "no element found"),

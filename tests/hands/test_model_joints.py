@@ -153,6 +153,34 @@ def test_a_joint_without_room_is_fixed_where_it_is(kind: str, tmp_path: Path) ->
     assert abs(np.dot(turn_found, quaternion)) == pytest.approx(1.0, abs=1e-6)
 
 
+def _course(urdf: str, folder: Path) -> list[float]:
+    """Where a joint that was pushed goes, with no motor on it."""
+    with _loaded(urdf, folder) as (engine, client, body, at):
+        joint = at["bend"]
+        engine.setJointMotorControl2(body, joint, engine.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
+        engine.resetJointState(body, joint, 0.0, 1.0, physicsClientId=client)
+        places = []
+        for _ in range(TICKS // 2):
+            engine.stepSimulation(client)
+            places.append(engine.getJointState(body, joint, client)[0])
+        return places
+
+
+def test_friction_of_joints_has_no_effect_and_is_one_warning(tmp_path: Path) -> None:
+    ends = ('velocity="2"/></joint>\n  <link name="tip">', 'velocity="2"/></joint>\n</robot>')
+    urdf = URDF
+    for end in ends:
+        urdf = changed(urdf, (end, end.replace("</joint>", '<dynamics friction="0.5"/></joint>')))
+    write(tmp_path, urdf, HAND)
+    (warning,) = hand_in(SpecFolder(tmp_path), "hand.yaml").warnings
+    assert (warning.code, "bend and thumb-bend has no effect" in warning.message) == ("no-effect", True)
+    course = _course(urdf, tmp_path)
+    assert course == _course(URDF, tmp_path)
+    assert course[-1] > course[0] > 0.0
+    damped = changed(URDF, (ends[0], ends[0].replace("</joint>", '<dynamics damping="0.5"/></joint>')))
+    assert _course(damped, tmp_path)[-1] < course[-1]
+
+
 @pytest.mark.parametrize("kind", ["floating", "planar"])
 def test_kinds_of_joints_above_the_root_are_nothing_to_the_hand(kind: str, tmp_path: Path) -> None:
     above = f'<link name="world"/><joint name="v" type="{kind}"><parent link="world"/><child link="palm"/></joint>'
