@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
@@ -27,6 +27,7 @@ from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
+from graspdsl.hands.mount_check import taken_names
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.notation.printer import to_unicode
@@ -179,11 +180,12 @@ class _ProgramCheck:
         mount = scene.mount.text in mounts()  # the spec's model names the mounts there are
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
-            return (
-                Robot(hand=found.hand, mount=mounts()[scene.mount.text], hand_model=found.model)
-                if found and mount
-                else None
-            )
+            if found is None or not mount:
+                return None
+            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount.text], hand_model=found.model)
+            taken = tuple(taken_names(whole_robot))
+            self._tell(scene.hand, taken)
+            return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
         return robot(scene.hand.text, scene.mount.text) if hand and mount else None
 
@@ -200,10 +202,15 @@ class _ProgramCheck:
                 self._complaints.error(fault.code, fault.message, whole(name), fault.hint)
         except HandFileError as error:
             faults = error.diagnostics
+        self._tell(name, faults)
+        return found
+
+    def _tell(self, name: SourceText, faults: Iterable[Diagnostic]) -> None:
+        """Report faults of a hand file where the spec names it, each with its place in the file."""
+        self._complaints.about(("scene", "hand"))
         for fault in faults:
             place = name.text if fault.span is None else f"{name.text}:{fault.span.line}:{fault.span.column}"
             self._complaints.add(replace(fault, message=f"{place}: {fault.message}", span=whole(name)))
-        return found
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
         if name is None or name.text in known:

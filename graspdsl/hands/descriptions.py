@@ -20,6 +20,8 @@ from graspdsl.spec.fields import Count, Metres, Model, Number
 from graspdsl.spec.models import folder_name
 
 HERE = Path(__file__).parent
+ALL = "all"  # the set of all joints of a robot
+MOUNTING = "mounting"  # the joint between its mount and its hand
 
 JointNames = Annotated[tuple[str, ...], Field(min_length=1)]
 
@@ -132,9 +134,9 @@ class Robot(Model):
 
     @property
     def joint_sets(self) -> Mapping[str, tuple[str, ...]]:
-        """Named joint sets of the mount and the hand, each single joint, and ``all``."""
+        """Named joint sets of the mount and the hand, each single joint, and all."""
         single = {name: (name,) for name in self.joints}
-        return {**single, **self.mount.joint_sets, **self.hand.joint_sets, "all": tuple(self.joints)}
+        return {**single, **self.mount.joint_sets, **self.hand.joint_sets, ALL: tuple(self.joints)}
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -184,22 +186,6 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
     }
     found = [limit for name in robot.joints if (limit := limits[name]) is not None]
     return tuple(float(f.get("lower", "0")) for f in found), tuple(float(f.get("upper", "0")) for f in found)
-
-
-@cache
-def names_taken() -> Mapping[str, Mapping[str, str]]:
-    """The names of links, joints and joint sets that a hand's own may not have, each with what has it."""
-    taken = {
-        "link": dict[str, str](),
-        "joint": {"mounting": "the joint between mount and hand"},
-        "joint set": {"all": "the set of all joints"},
-    }
-    for name, mount in mounts().items():
-        for element in ElementTree.fromstring(_model(mount.urdf)):
-            if element.tag in taken:
-                taken[element.tag][element.get("name", "")] = f"a {element.tag} of the mount {name}"
-        taken["joint set"].update(dict.fromkeys(mount.joint_sets, f"a joint set of the mount {name}"))
-    return taken
 
 
 @cache

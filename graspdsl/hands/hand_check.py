@@ -7,9 +7,10 @@ from collections.abc import Collection, Iterator, Sequence
 from pydantic_core import PydanticCustomError
 
 from graspdsl.diagnostics import Diagnostic, known_names_hint
-from graspdsl.hands.descriptions import Contact, Hand, names_taken
-from graspdsl.hands.robot_model import ModelJoint, RobotModel
-from graspdsl.hands.urdf_rules import FIXED, HINGES
+from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
+from graspdsl.hands.model_joints import origin_of_motion
+from graspdsl.hands.robot_model import RobotModel
+from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import folder_name
@@ -35,7 +36,7 @@ class _Check:
         self._hand, self._model, self._document = hand, model, document
 
     def names(self) -> Iterator[Diagnostic]:
-        """Names of the hand's own, which stand in formulas and on pages, and those that its mount has already."""
+        """Names of the hand's own, which stand in formulas and on pages, and those that every robot has already."""
         own: dict[Path, Collection[str]] = {
             ("contacts",): self._hand.contacts,
             ("joint_sets",): self._hand.joint_sets,
@@ -48,21 +49,18 @@ class _Check:
                 except PydanticCustomError as error:
                     context = error.context or {}
                     yield self._error(error.type, context["message"], (*path, name), context["hint"], key=True)
-        taken = names_taken()
-        links, joints, sets = taken["link"], taken["joint"], taken["joint set"]
-        for what, names, others in (
-            ("link", self._model.links, links),
-            ("joint", self._model.joints, {**joints, **sets}),
-        ):
-            for name in sorted({*names} & {*others}):
-                message = f"the {what} {name} of the model has the name of {others[name]}"
-                key = "mjcf" if self._hand.mjcf else "urdf"
-                yield self._error("name-taken", message, (key,), "rename it in the model")
+        if MOUNTING in self._model.joints:
+            message = f"the joint {MOUNTING} of the model has the name of the joint between mount and hand"
+            key = "mjcf" if self._hand.mjcf else "urdf"
+            yield self._error("name-taken", message, (key,), "rename it in the model")
+        others = {**dict.fromkeys(self._model.joints, "a joint"), ALL: "the set of all joints"}
         for name in self._hand.joint_sets:
-            others = {**dict.fromkeys(self._model.joints, "a joint"), **joints, **sets}
             if name in others:
                 message = f"the joint set {name} has the name of {others[name]}"
                 yield self._error("name-taken", message, ("joint_sets", name), "give it another name", key=True)
+        for name in sorted({*self._hand.joints} & {ALL}):
+            message = f"the joint {name} has the name of the set of all joints"
+            yield self._error("name-taken", message, ("joints", name), "rename it in the model", key=True)
 
     def links(self) -> Iterator[Diagnostic]:
         for key, link in (("root", self._hand.root), ("palm", self._hand.palm)):
@@ -81,25 +79,23 @@ class _Check:
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
             )
 
-    def _movable(self, name: str, path: Path, movable: Collection[str]) -> Iterator[Diagnostic]:
+    def _movable(self, name: str, path: Path, movable: Collection[str], coupled: bool = False) -> Iterator[Diagnostic]:
         joint = self._model.joints.get(name)
         if joint is None:
             yield self._unknown("joint", name, path, movable, key=True)
         elif joint.kind not in HINGES:
-            message = f"the joint {name} is {joint.kind} in the model and cannot be driven"
+            locked = "" if joint.limits is None else f", for its limits are both {joint.limits[0]:g},"
+            message = f"the joint {name} is {joint.kind} in the model{locked} and cannot be driven"
             yield self._error("joint-not-movable", message, path, "only revolute and prismatic joints move", key=True)
-        elif joint.limits is None or joint.kind == "continuous":
+        elif joint.limits is None and not (coupled and joint.kind == CONTINUOUS):
             message = f"the joint {name} has no limits in the model"
             yield self._error("joint-without-limits", message, path, "make it revolute, with a <limit>", key=True)
-        elif joint.limits[0] >= joint.limits[1]:
-            message = f"the limits of the joint {name} leave no room: {joint.limits[0]:g} to {joint.limits[1]:g}"
-            yield self._error("out-of-range", message, path, "the lower limit must be below the upper one", key=True)
 
     def couplings(self) -> Iterator[Diagnostic]:
         movable = {name for name, joint in self._model.joints.items() if joint.kind in HINGES}
         for name, coupling in self._hand.couplings.items():
             path: Path = ("couplings", name)
-            yield from self._movable(name, path, movable)
+            yield from self._movable(name, path, movable, coupled=True)
             if name in self._hand.joints:
                 message = f"{name} is driven and coupled at once"
                 yield self._error("driven-and-coupled", message, path, "leave it out of one of the two", key=True)
@@ -112,6 +108,7 @@ class _Check:
                 yield self._error("wrong-coupling", f"{name} never moves: its ratio is 0", (*path, "ratio"), None)
             else:
                 yield from self._coupled_range(name, coupling.follows, coupling.ratio)
+                yield from self._mimicked(name, coupling)
 
     def _coupled_range(self, name: str, leader: str, ratio: float) -> Iterator[Diagnostic]:
         led, leading = self._limits(name), self._limits(leader)
@@ -121,6 +118,26 @@ class _Check:
         if low < led[0] - ROUNDING or high > led[1] + ROUNDING:
             message = f"{name} would move from {low:g} to {high:g}, beyond its limits {led[0]:g} to {led[1]:g}"
             yield self._error("wrong-coupling", message, ("couplings", name, "ratio"), f"narrow the limits of {leader}")
+
+    def _mimicked(self, name: str, coupling: Coupling) -> Iterator[Diagnostic]:
+        """What the model says by <mimic> and the hand file by a coupling must be the same."""
+        own = origin_of_motion(name, self._model.joints)
+        leading = origin_of_motion(coupling.follows, self._model.joints)
+        path: Path = ("couplings", name)
+        if own.joint != leading.joint:
+            if own.joint != name:
+                message = f"{name} mimics {shortened(own.joint)} in the model, and follows {coupling.follows} here"
+                yield self._error("wrong-coupling", message, (*path, "follows"), "let both say the same")
+            return
+        if abs(own.multiplier - coupling.ratio * leading.multiplier) > SAME * abs(own.multiplier):
+            ratio = f"{own.multiplier / leading.multiplier:.4g}" if leading.multiplier else "no number of"
+            message = f"by its <mimic> {name} is {ratio} times {coupling.follows}, found {coupling.ratio:g}"
+            yield self._error("wrong-coupling", message, (*path, "ratio"), "let both say the same")
+        offset = own.offset - coupling.ratio * leading.offset
+        if abs(offset) > ROUNDING:
+            message = f"by its <mimic> {name} is {offset:g} off where {coupling.follows} is 0: couplings have no offset"
+            hint = "put the offset into the <origin> of the joint, and change its limits by it"
+            yield self._error("wrong-coupling", message, (*path, "follows"), hint)
 
     def contacts(self) -> Iterator[Diagnostic]:
         for name, contact in self._hand.contacts.items():
@@ -180,24 +197,19 @@ class _Check:
                 limits = self._limits(name)
                 if name not in self._hand.joints:
                     yield self._unknown("joint", name, path, self._hand.joints, key=True)
-                elif (
-                    limits is not None
-                    and limits[0] < limits[1]
-                    and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING
-                ):
+                elif limits is not None and not limits[0] - ROUNDING <= place <= limits[1] + ROUNDING:
                     message = f"{name} moves from {limits[0]:g} to {limits[1]:g}, found {place:g}"
                     yield self._error("out-of-range", message, path, "keep within the limits of the joint")
 
     def _limits(self, name: str) -> tuple[float, float] | None:
-        joint: ModelJoint | None = self._model.joints.get(name)
-        return None if joint is None else joint.limits
+        joint = self._model.joints.get(name)
+        return None if joint is None or joint.kind not in HINGES else joint.limits
 
     def _unknown(self, what: str, name: str, path: Path, known: Collection[str], key: bool = False) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        message = f"there is no {what} {shortened(name)!r} in the model"
         if what == "joint" and name in self._model.joints:
-            message = f"{name} is not among the driven joints"
-        return self._error(f"unknown-{what}", message, path, hint, key)
+            return self._error("joint-not-driven", f"{name} is not among the driven joints", path, hint, key)
+        return self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r} in the model", path, hint, key)
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)
@@ -205,3 +217,4 @@ class _Check:
 
 
 ROUNDING = 1e-6  # rad or m
+SAME = 1e-3  # of a multiplier: files have few digits

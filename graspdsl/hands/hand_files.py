@@ -10,6 +10,7 @@ from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.hand_check import faults
 from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
+from graspdsl.hands.urdf_check import undrawn
 from graspdsl.spec.document import Document, parse_document
 from graspdsl.spec.files import SIZE_LIMIT
 from graspdsl.spec.mesh_places import MeshPlaces
@@ -60,16 +61,17 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
             raise DiagnosticError(in_reading_order(found))
         places = MeshPlaces(files, _beside(name, hand.urdf))
         meshes = {mesh: _mesh(files, places, mesh, document) for mesh in model.meshes}
+        drawn, undrawn_meshes = _drawn_meshes(files, places, model, document)
     except DiagnosticError as error:
         raise HandFileError(name, text, error) from None
-    warnings = tuple(_placed(warning, document) for warning in model.warnings)
-    return FoundHand(completed(hand, model), model.with_meshes(meshes), warnings)
+    warnings = tuple(_placed(warning, document) for warning in (*model.warnings, *undrawn_meshes))
+    return FoundHand(completed(hand, model), model.with_meshes({**meshes, **drawn}), warnings)
 
 
 def completed(hand: Hand, model: RobotModel) -> Hand:
     """A hand with what its file leaves to its model.
 
-    The root is the model's, the palm the root; a finger is all driven joints between root and fingertip; open is the
+    The root is the model's, the palm the root; a finger is all driven joints that move its tip; open is the
     place of each joint that is nearest to 0, closed where the joints that close have gone as far as they can.
     """
     limits = {name: model.joints[name].limits or (0.0, 0.0) for name in hand.joints}
@@ -97,7 +99,8 @@ def completed(hand: Hand, model: RobotModel) -> Hand:
 def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
     if contact.finger:
         return contact
-    own = tuple(name for name in model.movers(contact.link) if name in hand.joints)
+    movers = (hand.couplings[name].follows if name in hand.couplings else name for name in model.movers(contact.link))
+    own = tuple(dict.fromkeys(name for name in movers if name in hand.joints))
     return contact.model_copy(update={"finger": own})
 
 
@@ -126,6 +129,20 @@ def _mesh(files: SpecFolder, places: MeshPlaces, mesh: str, document: Document) 
     except DiagnosticError as error:
         raise _at(error, document) from None
     return str(files.place(name).resolve())
+
+
+def _drawn_meshes(
+    files: SpecFolder, places: MeshPlaces, model: RobotModel, document: Document
+) -> tuple[dict[str, str], tuple[Diagnostic, ...]]:
+    """Where the meshes are that are only drawn, and a warning for each kind of those that cannot be."""
+    found, faults = dict[str, str](), dict[str, Diagnostic]()
+    for mesh in model.drawn:
+        try:
+            found[mesh] = _mesh(files, places, mesh, document)
+        except DiagnosticError as error:
+            fault = error.diagnostics[0]
+            faults.setdefault(fault.code, undrawn(fault, "this mesh"))
+    return found, tuple(faults.values())
 
 
 def _beside(name: str, other: str) -> str:

@@ -8,7 +8,6 @@ from itertools import chain, islice
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
-from graspdsl.hands.urdf_rules import FIXED, HINGES
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in
@@ -19,7 +18,7 @@ MOST_FAULTS = 20  # that are told at once
 
 
 @dataclass(frozen=True, slots=True)
-class Ends:
+class TreeJoint:
     """A joint of the file: its kind and the links it joins."""
 
     element: ElementTree.Element
@@ -33,7 +32,7 @@ class KinematicTree:
     """The links and joints of a robot by their names, the one link that has no parent, and the links below each."""
 
     links: Mapping[str, ElementTree.Element]
-    joints: Mapping[str, Ends]
+    joints: Mapping[str, TreeJoint]
     root: str
     _inside: Mapping[str, list[str]]
 
@@ -101,11 +100,7 @@ class _Reading:
                 seen[name] = element
 
     def _ends(self, joint: ElementTree.Element, links: Mapping[str, ElementTree.Element]) -> Iterator[Diagnostic]:
-        name, kind = joint.get("name", ""), joint.get("type")
-        if kind != FIXED and kind not in HINGES:
-            found = "has no type" if kind is None else f"is of the type {shortened(kind)!r}"
-            hint = f"known types: {', '.join((FIXED, *HINGES))}"
-            yield self._fault(joint, "unknown-joint-type", f"the joint {name} {found}", hint)
+        name = joint.get("name", "")
         for tag in ("parent", "child"):
             ends = joint.findall(tag)
             link = ends[0].get("link", "") if ends else ""
@@ -116,13 +111,13 @@ class _Reading:
                 message = f"the {tag} of the joint {name} is {shortened(link)!r}, which is no link"
                 yield self._fault(ends[0], "unknown-link", message, known_names_hint(link, links, "links"))
 
-    def _joint(self, joint: ElementTree.Element) -> Ends:
+    def _joint(self, joint: ElementTree.Element) -> TreeJoint:
         parent, child = joint.find("parent"), joint.find("child")
         assert parent is not None
         assert child is not None
-        return Ends(joint, joint.get("type", ""), parent.get("link", ""), child.get("link", ""))
+        return TreeJoint(joint, joint.get("type", ""), parent.get("link", ""), child.get("link", ""))
 
-    def _parents(self, joints: Mapping[str, Ends]) -> Iterator[Diagnostic]:
+    def _parents(self, joints: Mapping[str, TreeJoint]) -> Iterator[Diagnostic]:
         before: dict[str, str] = {}
         for name, joint in joints.items():
             if joint.child in before:
@@ -134,15 +129,15 @@ class _Reading:
         self,
         tops: list[str],
         links: Mapping[str, ElementTree.Element],
-        joints: Mapping[str, Ends],
+        joints: Mapping[str, TreeJoint],
         inside: Mapping[str, list[str]],
     ) -> Iterator[Diagnostic]:
         reached = {link for top in tops for link in _reached(top, inside)}
-        circle = [joint for joint in joints.values() if joint.child not in reached]
-        if circle:
-            names = listed([joint.child for joint in circle][:5])
-            message = f"the joints go round in a circle: {names} have no way to a root"
-            yield self._fault(circle[0].element, "joint-circle", message, "let one joint have another child")
+        cycle = [joint for joint in joints.values() if joint.child not in reached]
+        if cycle:
+            names = listed([joint.child for joint in cycle][:5])
+            message = f"the joints form a cycle: {names} hang on one another and on no root"
+            yield self._fault(cycle[0].element, "joint-cycle", message, "let one joint have another child")
         elif len(tops) > 1:
             message = f"{len(tops)} links have no parent, where a robot has one: {', '.join(tops[:5])}"
             yield self._fault(links[tops[1]], "no-root", message, "join them, or leave out what is no part of the hand")

@@ -3,49 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
-from graspdsl.hands.kinematic_tree import MOST_FAULTS, Ends, KinematicTree
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
+from graspdsl.hands.inertia_check import check_inertias
+from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
+from graspdsl.hands.model_joints import CheckedJoint, ModelJoint, checked_joint
 from graspdsl.hands.urdf_check import UrdfCheck
-from graspdsl.hands.urdf_rules import FIXED, FIXED_JOINT, HINGES, LINK, MATERIAL, MOVING_JOINT
+from graspdsl.hands.urdf_rules import HINGES, LINK, ROBOT
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_LINKS = 100  # the engine takes seconds for more: its time grows with their cube
+MOST_NAMED = 5  # joints in a warning
 MOST_HINGES = 100  # the engine's states hold 128, those of an arm among them
-
-
-@dataclass(frozen=True, slots=True)
-class ModelJoint:
-    """A joint of a model: its kind, the links it joins, its limits [rad or m], None where it has none."""
-
-    kind: str
-    parent: str
-    child: str
-    limits: tuple[float, float] | None
-    effort: float | None
 
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
     """A model below its root: its XML as far as it was checked, its links, its joints by name, the mesh files that it
-    names, and what is doubtful about it."""
+    names, those that are only drawn apart, and what is doubtful about it."""
 
     tree: ElementTree.Element
     root: str
     links: tuple[str, ...]
     joints: Mapping[str, ModelJoint]
     meshes: tuple[str, ...]
+    drawn: tuple[str, ...]
     warnings: tuple[Diagnostic, ...] = ()
 
     def with_meshes(self, places: Mapping[str, str]) -> str:
-        """The text of the model, its mesh files named by their places."""
-        for mesh in self.tree.iter("mesh"):
-            mesh.set("filename", places.get(mesh.get("filename", ""), ""))
-        return ElementTree.tostring(self.tree, encoding="unicode")
+        """The text of the model, its mesh files named by their places; looks of one without a place are left out.
+
+        Raises KeyError for one of ``meshes`` without a place.
+        """
+        tree = deepcopy(self.tree)
+        for link in tree.findall("link"):
+            for visual in link.findall("visual"):
+                if any(mesh.get("filename", "") not in places for mesh in visual.iter("mesh")):
+                    link.remove(visual)
+        for mesh in tree.iter("mesh"):
+            mesh.set("filename", places[mesh.get("filename", "")])
+        return ElementTree.tostring(tree, encoding="unicode")
 
     def movers(self, link: str) -> tuple[str, ...]:
         """The joints from the root to a link, the first one first."""
@@ -70,32 +72,31 @@ def robot_model(content: bytes, name: str, root: str) -> RobotModel:
         raise refusal(
             "unknown-root", f"there is no link {root!r} in the model", known_names_hint(root, whole.links, "links")
         )
-    root = root or whole.root
+    rooted, root = bool(root), root or whole.root
     below = whole.below(root)
-    joints = {joint: ends for joint, ends in whole.joints.items() if ends.parent in below}
-    _moderate(below, joints, name)
-    kept = ElementTree.Element("robot", name="hand")
-    for material in robot.findall("material"):
-        kept.append(check.copy(material, MATERIAL, "a material"))
+    joints = {joint: found for joint, found in whole.joints.items() if found.parent in below}
+    _moderate(below, joints, name, rooted)
+    kept = check.copy(robot, ROBOT, "a material")
+    kept.set("name", "hand")
     links = {link: check.copy(whole.links[link], LINK, f"the link {link}") for link in whole.links if link in below}
-    models = {}
-    for joint, ends in joints.items():
-        kind = FIXED_JOINT if ends.kind == FIXED else MOVING_JOINT
-        made = check.copy(ends.element, kind, f"the joint {joint}")
-        models[joint] = (made, ends)
-    _masses(whole, joints, links, check)
+    checked = {joint: checked_joint(joint, found, check) for joint, found in joints.items()}
+    _warn_of_friction(checked, check)
+    if not check.found:
+        check_inertias(whole, root, links, checked, check)
     if check.found:
         raise DiagnosticError(check.found[:MOST_FAULTS])
     for link in links.values():
         _without_mass(link)
         kept.append(link)
-    kept.extend(made for made, _ in models.values())
+    kept.extend(found.made for found in checked.values())
+    meshes = _meshes(kept, "collision")
     return RobotModel(
         kept,
         root,
         tuple(links),
-        {joint: _joint(made, ends) for joint, (made, ends) in models.items()},
-        tuple(dict.fromkeys(mesh.get("filename", "") for mesh in kept.iter("mesh"))),
+        {joint: found.joint for joint, found in checked.items()},
+        meshes,
+        tuple(name for name in _meshes(kept, "visual") if name not in meshes),
         tuple(check.warnings),
     )
 
@@ -109,53 +110,39 @@ def _parsed(content: bytes, name: str, check: UrdfCheck) -> ElementTree.Element:
     if tree.tag != "robot":
         message = f"{name} is no URDF: its root is <{shortened(tree.tag)}>, not <robot>"
         raise refusal("not-a-urdf", message, "name a URDF or a MJCF file")
-    macro = next((element for element in tree if element.tag.startswith("{http://") and "xacro" in element.tag), None)
+    macro = next((element for element in tree.iter() if "xacro" in element.tag.rpartition("}")[0]), None)
     if macro is not None:
         message = f"{place_in(name, macro)}: this is a xacro file, not yet a URDF"
         raise refusal("not-a-urdf", message, "expand it: xacro hand.xacro > hand.urdf")
     return tree
 
 
-def _moderate(below: Iterable[str], joints: Mapping[str, Ends], file: str) -> None:
+def _moderate(below: Iterable[str], joints: Mapping[str, TreeJoint], file: str, rooted: bool) -> None:
     links = len(set(below))
-    moving = sum(ends.kind in HINGES for ends in joints.values())
+    moving = sum(joint.kind in HINGES for joint in joints.values())
     for count, most, what in ((links, MOST_LINKS, "links"), (moving, MOST_HINGES, "joints that move")):
         if count > most:
             message = f"{file} has {count} {what} below the root, where a hand may have {most}"
-            raise refusal("too-many-links", message, "name the link the hand begins with: root: …")
+            hint = "name a root nearer to the fingers" if rooted else "name the link the hand begins with: root: …"
+            raise refusal("too-many-links", message, hint)
 
 
-def _joint(joint: ElementTree.Element, ends: Ends) -> ModelJoint:
-    limit = joint.find("limit")
-    limits, effort = None, None
-    if limit is not None:
-        limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-        effort = float(limit.get("effort", "0"))
-    return ModelJoint(ends.kind, ends.parent, ends.child, limits, effort)
+def _warn_of_friction(joints: Mapping[str, CheckedJoint], check: UrdfCheck) -> None:
+    """The engine reads the friction of a joint and does nothing with it."""
+    rubbing = [
+        name
+        for name, joint in joints.items()
+        if any(float(dynamics.get("friction", "0")) > 0.0 for dynamics in joint.made.iterfind("dynamics"))
+    ]
+    if rubbing:
+        names = listed([*rubbing[:MOST_NAMED], *(["others"] if len(rubbing) > MOST_NAMED else [])])
+        message = f"the friction in {names} has no effect: the engine's joints have none"
+        check.warn(joints[rubbing[0]].element, "no-effect", message, "give them damping, or leave it out")
 
 
-def _masses(
-    whole: KinematicTree, joints: Mapping[str, Ends], links: Mapping[str, ElementTree.Element], check: UrdfCheck
-) -> None:
-    """A joint that moves needs mass behind it, and a mass that moves needs inertia: else the engine holds it still."""
-    for joint, ends in joints.items():
-        if ends.kind == FIXED or check.found:
-            continue
-        moved = [links[link] for link in whole.below(ends.child)]
-        heavy = [link for link in moved if _sum(link, "mass", ("value",)) > 0.0]
-        if not heavy:
-            message = f"the joint {joint} moves links without mass"
-            check.fault(ends.element, "no-mass", message, f"give {ends.child} an <inertial> with its mass")
-        for link in heavy:
-            if _sum(link, "inertia", ("ixx", "iyy", "izz")) == 0.0:
-                name = link.get("name", "")
-                hint = "work it out from its shape"
-                check.fault(whole.links[name], "wrong-inertia", f"the link {name} has a mass but no inertia", hint)
-
-
-def _sum(link: ElementTree.Element, tag: str, keys: tuple[str, ...]) -> float:
-    element = link.find(f"inertial/{tag}")
-    return 0.0 if element is None else sum(float(element.get(key, "0")) for key in keys)
+def _meshes(robot: ElementTree.Element, use: str) -> tuple[str, ...]:
+    found = robot.iterfind(f"link/{use}/geometry/mesh")
+    return tuple(dict.fromkeys(mesh.get("filename", "") for mesh in found))
 
 
 def _without_mass(link: ElementTree.Element) -> None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
 
 from graspdsl.diagnostics import Diagnostic, Severity, listed
-from graspdsl.hands.urdf_rules import MESHES, SHAPES, UNDRAWN, Kind, Numbers
+from graspdsl.hands.urdf_rules import MESHES, SHAPES, ElementRule, NumberRule
 from graspdsl.spec.wording import as_yaml, shortened
 from graspdsl.spec.xml_files import place_in
 
@@ -20,7 +20,12 @@ COUNTS = {1: "a number", 3: "three numbers", 4: "four numbers"}
 UNITS = {"m": "lengths are in metres", "rad": "angles are in radians", "kg": "masses are in kilograms"}
 LONGEST_PATH = 1000  # characters
 SMALLEST = 1e-9  # of the largest component of an axis, and of a scale
-ROUNDING = 1e-6  # of the largest principal moment of inertia
+
+
+def undrawn(fault: Diagnostic, what: str) -> Diagnostic:
+    """The warning of a fault in what is only drawn."""
+    message = f"{fault.message}; {what}, and others like it, are not drawn"
+    return replace(fault, code="undrawn", message=message, severity=Severity.WARNING)
 
 
 @dataclass(slots=True)
@@ -30,21 +35,23 @@ class UrdfCheck:
     file: str
     found: list[Diagnostic] = field(default_factory=list)
     warnings: list[Diagnostic] = field(default_factory=list)
+    _undrawn: set[tuple[str, str]] = field(default_factory=set)
 
-    def copy(self, element: ElementTree.Element, kind: Kind, owner: str) -> ElementTree.Element:
-        """The element with only what its kind has; ``owner`` is what it belongs to, for messages."""
+    def copy(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> ElementTree.Element:
+        """The element with only what its rule has; ``owner`` is what it belongs to, for messages."""
         copied = ElementTree.Element(element.tag)
-        for key in kind.texts:
+        for key in rule.texts:
             copied.set(key, element.get(key, ""))
         before = len(self.found)
-        for key, numbers in kind.numbers.items():
+        for key, numbers in rule.numbers.items():
             values = self._numbers(element, key, numbers, owner)
             if values:
                 copied.set(key, " ".join(map(repr, values)))
-        self._stands_once(element, kind, owner)
+        self._stands_once(element, rule, owner)
         for child in element:
-            if child.tag in kind.children and not self._undrawn(child, owner):
-                copied.append(self.copy(child, kind.children[child.tag], owner))
+            inner = rule.children.get(child.tag)
+            if inner is not None:
+                copied.extend(self._drawn(child, inner, owner) if inner.drawn else [self.copy(child, inner, owner)])
         if len(self.found) == before:
             self._together(element, copied, owner)
         return copied
@@ -53,7 +60,12 @@ class UrdfCheck:
         """Note a fault at the place of an element."""
         self.found.append(Diagnostic(code, f"{place_in(self.file, element)}: {message}", hint=hint))
 
-    def _numbers(self, element: ElementTree.Element, key: str, wanted: Numbers, owner: str) -> tuple[float, ...]:
+    def warn(self, element: ElementTree.Element, code: str, message: str, hint: str | None) -> None:
+        """Note what is doubtful at the place of an element."""
+        message = f"{place_in(self.file, element)}: {message}"
+        self.warnings.append(Diagnostic(code, message, hint=hint, severity=Severity.WARNING))
+
+    def _numbers(self, element: ElementTree.Element, key: str, wanted: NumberRule, owner: str) -> tuple[float, ...]:
         text = element.get(key, wanted.otherwise)
         if text == "" and key not in element.attrib:
             return ()
@@ -78,20 +90,20 @@ class UrdfCheck:
         self.fault(element, code, message, hint)
         return ()
 
-    def _stands_once(self, element: ElementTree.Element, kind: Kind, owner: str) -> None:
-        if kind.only_one:
+    def _stands_once(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> None:
+        if rule.only_one:
             shapes = [child.tag for child in element]
-            if len(shapes) != 1 or shapes[0] not in kind.children:
+            if len(shapes) != 1 or shapes[0] not in rule.children:
                 found = listed(f"<{shortened(tag)}>" for tag in shapes[:5]) or "none"
                 message = f"{owner}: expected one shape in <{element.tag}>, found {found}"
                 self.fault(element, "wrong-shape", message, f"known shapes: {', '.join(SHAPES)}")
             return
         counts = Counter(child.tag for child in element)
         for tag, count in counts.items():
-            if count > 1 and tag in kind.children and tag not in kind.many:
+            if count > 1 and tag in rule.children and tag not in rule.many:
                 message = f"{owner}: expected one <{tag}> in <{element.tag}>, found {count}"
                 self.fault(element.findall(tag)[1], "declared-twice", message, "keep one of them")
-        missing = [f"<{tag}>" for tag in kind.needed if tag not in counts]
+        missing = [f"<{tag}>" for tag in rule.needed if tag not in counts]
         if missing:
             message = f"{owner}: <{element.tag}> has no {listed(missing)}"
             self.fault(element, "missing-element", message, f"add {listed(missing)}")
@@ -107,40 +119,27 @@ class UrdfCheck:
                 )
             else:
                 copied.set("xyz", " ".join(repr(float(x)) for x in values["xyz"] / length))
-        elif element.tag == "limit" and values["lower"] > values["upper"]:
+        elif element.tag == "limit" and "lower" in values and values["lower"] > values["upper"]:
             low, high = float(values["lower"][0]), float(values["upper"][0])
             message = f"{owner}: its limits leave no room: {low:g} to {high:g}"
             self.fault(element, "out-of-range", message, "the lower limit must be below the upper one")
-        elif element.tag == "inertia":
-            self._inertia(element, values, owner)
         elif element.tag == "mesh":
             self._mesh(element, values, owner)
 
-    def _inertia(self, element: ElementTree.Element, values: dict[str, np.ndarray], owner: str) -> None:
-        xx, yy, zz, xy, xz, yz = (float(values[key][0]) for key in MOMENTS)
-        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        least, middle, most = (float(moment) for moment in moments)
-        principal = f"its principal moments of inertia are {least:.3g}, {middle:.3g} and {most:.3g} kg m²"
-        if least < -ROUNDING * most:
-            message = f"{owner}: {principal}, where none may be negative"
-            self.fault(element, "wrong-inertia", message, "make the products of inertia smaller")
-        elif most > least + middle + ROUNDING * most:
-            why = "no body has one above the sum of the others, and the engine takes all for 0"
-            message = f"{place_in(self.file, element)}: {owner}: {principal}: {why}"
-            self._warn("wrong-inertia", message, "work them out anew from the shape")
-
-    def _undrawn(self, element: ElementTree.Element, owner: str) -> bool:
-        """Whether an element is only drawn, and of a format that is not."""
-        mesh = element.find("geometry/mesh") if element.tag == "visual" else None
-        name = "" if mesh is None else mesh.get("filename", "")
-        if PurePosixPath(name).suffix.lower() != UNDRAWN:
-            return False
-        message = f"{place_in(self.file, element)}: {owner}: {shortened(name)!r} is not drawn"
-        self._warn("undrawn-mesh", message, f"convert it to {listed(MESHES, 'or')}")
-        return True
-
-    def _warn(self, code: str, message: str, hint: str) -> None:
-        self.warnings.append(Diagnostic(code, message, hint=hint, severity=Severity.WARNING))
+    def _drawn(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> list[ElementTree.Element]:
+        """The copy of an element that is only drawn; none, and a warning, when there is a fault in it."""
+        before = len(self.found)
+        copied = self.copy(element, rule, owner)
+        faults = self.found[before:]
+        del self.found[before:]
+        if not faults:
+            return [copied]
+        fault = faults[0]
+        kind = element.tag, fault.code
+        if kind not in self._undrawn:
+            self._undrawn.add(kind)
+            self.warnings.append(undrawn(fault, f"this <{element.tag}>"))
+        return []
 
     def _mesh(self, element: ElementTree.Element, values: dict[str, np.ndarray], owner: str) -> None:
         name = element.get("filename", "")
@@ -149,12 +148,11 @@ class UrdfCheck:
             self.fault(element, "missing-key", f"{owner}: its <mesh> {what}", 'write filename="part.stl"')
         elif PurePosixPath(name).suffix.lower() not in MESHES:
             message = f"{owner}: its <mesh> is of an unknown format: {shortened(name)!r}"
-            self.fault(element, "unknown-mesh-format", message, f"expected {listed(MESHES, 'or')}")
+            self.fault(element, "unknown-mesh-format", message, f"convert it to {listed(MESHES, 'or')}")
         elif "scale" in values and not (np.abs(values["scale"]) > SMALLEST).all():
             self.fault(
                 element, "out-of-range", f"{owner}: the scale of its <mesh> is zero", "write the size of a unit in m"
             )
 
 
-MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-OF_NUMBERS = ("xyz", "scale", "lower", "upper", *MOMENTS)
+OF_NUMBERS = ("xyz", "scale", "lower", "upper")

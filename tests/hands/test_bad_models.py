@@ -50,6 +50,9 @@ BOX = '<box size="0.01 0.01 0.04"/>'
 BALL = '<sphere radius="0.01"/>'
 TUBE = '<cylinder radius="0.01" length="0.02"/>'
 FIXED = '<joint name="c" type="fixed"><parent link="palm"/><child link="{}"/></joint>'
+MOUNTING = FIXED.replace('"c"', '"mounting"')
+XACRO = 'xmlns:x="{}"'
+MACROS = ("not-a-urdf", "a xacro file")
 PLACE = '<origin xyz="0.03 0 0"/>'
 
 
@@ -64,6 +67,11 @@ def _finger_mass(value: str) -> tuple[str, str]:
 def _inertia(**moments: str) -> tuple[str, str]:
     whole = {"ixx": "1e-4", "iyy": "1e-4", "izz": "1e-4", "ixy": "0", "ixz": "0", "iyz": "0", **moments}
     return FINGER_INERTIA, f"<inertia {' '.join(f'{key}={json.dumps(value)}' for key, value in whole.items())}/>"
+
+
+def _tip_inertia(ixx: str) -> tuple[str, str]:
+    whole = '<inertia ixx="1e-6" iyy="1e-6"'
+    return whole, whole.replace('ixx="1e-6"', f'ixx="{ixx}"')
 
 
 MODELS = (
@@ -85,6 +93,8 @@ MODELS = (
     Case("infinite inertia", _inertia(izz="1e999"), "out-of-range", "as the izz of <inertia>, found '1e999'"),
     Case("no inertia", _inertia(ixx="0", iyy="0", izz="0"), "wrong-inertia", "finger has a mass but no inertia"),
     Case("indefinite inertia", _inertia(ixy="2e-4"), "wrong-inertia", "-0.0001, 0.0001 and 0.0003"),
+    Case("inertia of no body", _inertia(ixx="3e-4"), "wrong-inertia", "0.0001, 0.0001 and 0.0003"),
+    Case("inertia of no body, fixed to a finger", _tip_inertia("3e-6"), "wrong-inertia", "1e-06, 1e-06 and 3e-06"),
     Case("inertia left out", (FINGER_INERTIA, ""), "missing-element", "<inertial> has no <inertia>"),
     Case("axis of nothing", (AXIS, '<axis xyz="0 0 0"/>'), "zero-axis", "the joint bend: its axis is zero"),
     Case("axis nan", (AXIS, '<axis xyz="0 nan 0"/>'), "not-a-number", "found '0 nan 0'"),
@@ -97,7 +107,7 @@ MODELS = (
     Case("limits nan", _limit("-0.5", "nan"), "not-a-number", "as the lower of <limit>, found 'nan'"),
     Case("limits infinite", _limit('upper="1"', 'upper="inf"'), "not-a-number", "as the upper of <limit>, found 'inf'"),
     Case("limits turned", _limit("-0.5", "2"), "out-of-range", "its limits leave no room: 2 to 1"),
-    Case("limits equal", _limit("-0.5", "1"), "out-of-range", "leave no room: 1 to 1"),
+    Case("limits equal", _limit("-0.5", "1"), "joint-not-movable", "its limits are both 1, and"),
     Case("no limits", (LIMIT, AXIS), "joint-without-limits", "the joint bend has no limits"),
     Case(
         "negative effort", _limit('effort="1"', 'effort="-1"'), "out-of-range", "as the effort of <limit>, found '-1'"
@@ -105,7 +115,7 @@ MODELS = (
     Case("negative velocity", _limit('velocity="2"', 'velocity="-2"'), "out-of-range", "as the velocity of <limit>"),
     Case("two roots", ("</robot>", '<link name="stray"/></robot>'), "no-root", "2 links have no parent"),
     Case("two parents", ("</robot>", f"{FIXED.format('tip')}</robot>"), "two-parents", "by the joints cell and c"),
-    Case("circle", (THUMB, THUMB.replace("palm", "thumb")), "joint-circle", "thumb have no way to a root"),
+    Case("cycle", (THUMB, THUMB.replace("palm", "thumb")), "joint-cycle", "the joints form a cycle: thumb"),
     Case("unknown parent", (THUMB, THUMB.replace("palm", "plam")), "unknown-link", "is 'plam', which is no link"),
     Case("no parent", (THUMB, THUMB.replace('<parent link="palm"/>', "")), "wrong-joint", "has 0 <parent>"),
     Case("unknown type", (THUMB, THUMB.replace("revolute", "screw")), "unknown-joint-type", "'screw'"),
@@ -114,33 +124,32 @@ MODELS = (
     Case("negative box", (BOX, '<box size="0.01 -0.01 0.04"/>'), "out-of-range", "as the size of <box>"),
     Case("flat box", (BOX, '<box size="0.01 0 0.04"/>'), "out-of-range", "above 0, up to 10 (m)"),
     Case("no box", (BOX, "<box/>"), "not-a-number", "as the size of <box>, found nothing"),
-    Case("ball nan", (BALL, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
-    Case("ball of nothing", (BALL, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
+    Case("ball nan", (TUBE, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
+    Case("ball of nothing", (TUBE, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
     Case(
         "endless tube", (TUBE, '<cylinder radius="0.01" length="1e999"/>'), "out-of-range", "the length of <cylinder>"
     ),
-    Case("cone", (BALL, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
-    Case("two shapes", (BALL, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
-    Case("no shape", (BALL, ""), "wrong-shape", "found none"),
-    Case("mesh of nothing", (BALL, "<mesh/>"), "missing-key", "its <mesh> names no file"),
-    Case("mesh of another kind", (BALL, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
-    Case("mesh elsewhere", (BALL, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
+    Case("cone", (TUBE, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
+    Case("two shapes", (TUBE, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
+    Case("no shape", (TUBE, ""), "wrong-shape", "found none"),
+    Case("mesh of nothing", (TUBE, "<mesh/>"), "missing-key", "its <mesh> names no file"),
+    Case("mesh of another kind", (TUBE, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
+    Case("mesh elsewhere", (TUBE, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
     Case(
         "mesh scale",
-        (BALL, '<mesh filename="a.stl" scale="1 0 1"/>'),
+        (TUBE, '<mesh filename="a.stl" scale="1 0 1"/>'),
         "out-of-range",
         "the scale of its <mesh> is zero",
     ),
-    Case("colour", ("0.5 0.5 0.5 1", "0.5 0.5 nan 1"), "not-a-number", "as the rgba of <color>"),
     Case(
         "taken name",
-        ("</robot>", f'<link name="mount-face"/>{FIXED.format("mount-face")}</robot>'),
+        ("</robot>", f'<link name="a"/>{MOUNTING.format("a")}</robot>'),
         "name-taken",
-        "has the name of a link of the mount",
+        "the joint mounting of the model has the name of the joint between mount and hand",
     ),
-    Case(
-        "macros", ("</robot>", '<x:m xmlns:x="http://www.ros.org/wiki/xacro"/></robot>'), "not-a-urdf", "a xacro file"
-    ),
+    Case("macros", ("</robot>", f"<x:m {XACRO.format('http://www.ros.org/wiki/xacro')}/></robot>"), *MACROS),
+    Case("inner macros", (PLACE, f"<x:m {XACRO.format('https://wiki.ros.org/xacro')}>{PLACE}</x:m>"), *MACROS),
+    Case("macros of old", (PLACE, f"<x:m {XACRO.format('xacro')}/>{PLACE}"), *MACROS),
     Case("encoding", ('<robot name="two">', "<?xml version='1.0' encoding='wide'?><robot>"), "bad-xml", "'wide'"),
     Case("document type", ('<robot name="two">', "<!DOCTYPE robot><robot>"), "bad-xml", "declares a document type"),
     Case("no XML", ("</robot>", ""), "bad-xml", "no element found"),
@@ -224,22 +233,23 @@ def test_many_complaints_of_long_names_stay_short(tmp_path: Path) -> None:
 
 
 def test_a_complaint_about_a_model_has_its_line_and_column(tmp_path: Path) -> None:
-    write(tmp_path, changed(URDF, (BALL, '<sphere radius="-1"/>')))
+    write(tmp_path, changed(URDF, (TUBE, '<sphere radius="-1"/>')))
     with pytest.raises(HandFileError) as caught:
         hand_in(SpecFolder(tmp_path), "hand.yaml")
     (fault,) = caught.value.diagnostics
-    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if BALL in text)
-    column = URDF.split("\n")[line - 1].index(BALL) + 1
+    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if TUBE in text)
+    column = URDF.split("\n")[line - 1].index(TUBE) + 1
     assert fault.message.startswith(f"two.urdf:{line}:{column}: the link tip: ")
     assert fault.span is not None
     assert (fault.span.line, fault.span.column) == (2, 7)
 
 
-def test_an_inertia_that_no_body_has_is_a_warning(tmp_path: Path) -> None:
-    spec = write(tmp_path, changed(URDF, _inertia(ixx="3e-4")))
+def test_a_still_link_of_an_inertia_that_no_body_has_is_a_warning(tmp_path: Path) -> None:
+    palm = '<inertia ixx="1e-3" iyy="1e-3" izz="1e-3"'
+    spec = write(tmp_path, changed(URDF, (palm, palm.replace('ixx="1e-3"', 'ixx="3e-3"'))))
     (fault,) = examine(SPEC, "spec.yaml", (), tmp_path).diagnostics
     assert (fault.code, fault.severity) == ("wrong-inertia", Severity.WARNING)
-    assert "0.0001, 0.0001 and 0.0003" in fault.message
+    assert "0.001, 0.001 and 0.003" in fault.message
     assert CliRunner().invoke(app, ["validate", str(spec)]).exit_code == 0
     assert CliRunner().invoke(app, ["validate", str(tmp_path / "hand.yaml")]).exit_code == 0
 

@@ -104,6 +104,8 @@ FAULTY = (
     ({"contacts": {"pad": {"link": "tip", "cell": "sell", "sphere": {"radius": 0.01}}}}, "unknown-joint", "cell"),
     ({"contacts": {"pad": {"link": "tip", "cell": "bend", "sphere": {"radius": 0.01}}}}, "wrong-load-cell", "cell"),
     ({"joint_sets": {"all-fingers": ["bend", "bond"]}}, "unknown-joint", "bend"),
+    ({"joint_sets": {"all-fingers": ["bend", "cell"]}}, "joint-not-driven", "cell is not among the driven joints"),
+    ({"postures": {"open": {"cell": 0.0}}}, "joint-not-driven", "cell is not among the driven joints"),
     ({"postures": {"open": {"bend": 2.0}}}, "out-of-range", "0 to 1"),
     ({"postures": {"open": {"bond": 0.0}}}, "unknown-joint", "bend"),
     ({"urdf": "three.urdf"}, "file-not-found", "three.urdf"),
@@ -125,7 +127,7 @@ MODELS = (
     ({"urdf": "<!DOCTYPE robot [<!ENTITY a 'aaaa'>]><robot/>"}, "document type"),
     ({"urdf": "<mujoco/>"}, "0 bodies"),
     ({"urdf": "<html/>"}, "<html>"),
-    ({"mesh": "<visual><geometry><mesh filename='no.stl'/></geometry></visual>"}, "no.stl"),
+    ({"mesh": "<collision><geometry><mesh filename='no.stl'/></geometry></collision>"}, "no.stl"),
     ({"lower": "2"}, "leave no room"),
     ({"lower": "wide"}, "expected a number"),
 )

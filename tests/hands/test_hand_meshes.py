@@ -74,7 +74,7 @@ def test_a_drawing_in_collada_is_left_out_with_a_warning(tmp_path: Path) -> None
     write(tmp_path, _urdf(BALL, "part.dae"))
     examination = examine(SPEC, "spec.yaml", (), tmp_path)
     (fault,) = examination.diagnostics
-    assert (fault.code, fault.severity) == ("undrawn-mesh", Severity.WARNING)
+    assert (fault.code, fault.severity) == ("undrawn", Severity.WARNING)
     assert examination.program is not None
     assert "part.dae" not in examination.program.robot.models[1]
 

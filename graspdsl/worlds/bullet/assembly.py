@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from graspdsl.hands.descriptions import Robot
+from graspdsl.hands.descriptions import MOUNTING, Robot
 
 
 def assembled_urdf(robot: Robot) -> str:
@@ -19,7 +19,7 @@ def assembled_urdf(robot: Robot) -> str:
             if element.tag == "material":
                 materials.add(name)
             whole.append(element)
-    joint = ET.SubElement(whole, "joint", name="mounting", type="fixed")
+    joint = ET.SubElement(whole, "joint", name=MOUNTING, type="fixed")
     ET.SubElement(joint, "parent", link=robot.mount.face)
     ET.SubElement(joint, "child", link=robot.hand.root)
     ET.indent(whole)  # the engine cuts lines of more than some thousand characters

@@ -1,0 +1,198 @@
+"""Joints of a model that follow others, that have no limits or no room, and those that are no part of the hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graspdsl.diagnostics import DiagnosticError
+from graspdsl.hands.hand_files import HandFileError, hand_in
+from graspdsl.hands.robot_model import MOST_LINKS, robot_model
+from graspdsl.spec.named_files import SpecFolder
+from graspdsl.worlds.bullet.engine import pybullet, silenced
+
+from .models import HAND, URDF, changed, with_links, write
+
+TARGET = 0.5
+TICKS = 240
+THUMB_LIMIT = '<axis xyz="0 -1 0"/><limit lower="-0.5" upper="1" effort="1" velocity="2"/>'
+THUMB = '<joint name="thumb-bend" type="revolute">'
+COUPLED = HAND.replace("  thumb-bend: {weight: 10.0, closes: 1}\n", "").replace("[bend, thumb-bend]", "[bend]")
+FOLLOWS = "couplings:\n  thumb-bend: {{follows: bend, ratio: {}}}\n"
+RATIO = 0.75
+
+
+def _urdf(thumb: str, kind: str = "revolute") -> str:
+    """The small hand whose thumb's joint is of another kind and says other things."""
+    return changed(changed(URDF, (THUMB_LIMIT, thumb)), (THUMB, THUMB.replace("revolute", kind)))
+
+
+def _complaints(folder: Path, urdf: str, hand: str) -> list[tuple[str, str]]:
+    write(folder, urdf, hand)
+    try:
+        hand_in(SpecFolder(folder), "hand.yaml")
+    except HandFileError as error:
+        return [(fault.code, f"{fault.message} {fault.hint}") for fault in error.diagnostics]
+    return []
+
+
+@contextmanager
+def _loaded(urdf: str, folder: Path) -> Iterator[tuple[Any, int, int, dict[str, int]]]:
+    """A model in the engine, and the numbers of its joints."""
+    (folder / "model.urdf").write_text(urdf, encoding="utf-8")
+    engine = pybullet()
+    client = engine.connect(engine.DIRECT)
+    try:
+        with silenced():
+            flags = engine.URDF_USE_INERTIA_FROM_FILE
+            body = engine.loadURDF(str(folder / "model.urdf"), useFixedBase=True, flags=flags, physicsClientId=client)
+        infos = [engine.getJointInfo(body, joint, client) for joint in range(engine.getNumJoints(body, client))]
+        yield engine, client, body, {info[1].decode(): info[0] for info in infos}
+    finally:
+        engine.disconnect(client)
+
+
+CONTINUOUS = (
+    '<axis xyz="0 -1 0"/>',
+    '<axis xyz="0 -1 0"/><limit effort="1" velocity="2"/>',
+    '<axis xyz="0 -1 0"/><limit lower="2" upper="-2" effort="1" velocity="2"/>',
+)
+
+
+@pytest.mark.parametrize("thumb", CONTINUOUS)
+def test_a_continuous_joint_may_follow_and_moves(thumb: str, tmp_path: Path) -> None:
+    urdf = _urdf(thumb, "continuous")
+    assert _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(RATIO)) == []
+    with _loaded(robot_model(urdf.encode(), "two.urdf", "").with_meshes({}), tmp_path) as (engine, client, body, at):
+        joint = at["thumb-bend"]
+        engine.setJointMotorControl2(
+            body, joint, engine.POSITION_CONTROL, targetPosition=TARGET, force=1.0, physicsClientId=client
+        )
+        for _ in range(TICKS):
+            engine.stepSimulation(client)
+        assert engine.getJointState(body, joint, client)[0] == pytest.approx(TARGET, abs=1e-2)
+
+
+def test_a_finger_of_followers_is_moved_by_the_joint_they_follow(tmp_path: Path) -> None:
+    write(tmp_path, _urdf(CONTINUOUS[0], "continuous"), COUPLED + FOLLOWS.format(RATIO))
+    assert hand_in(SpecFolder(tmp_path), "hand.yaml").hand.contacts["thumb"].finger == ("bend",)
+
+
+def test_a_continuous_joint_is_not_driven(tmp_path: Path) -> None:
+    ((code, said),) = _complaints(tmp_path, _urdf(CONTINUOUS[1], "continuous"), HAND)
+    assert (code, "thumb-bend has no limits" in said) == ("joint-without-limits", True)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_a_follower_of_another_kind_has_limits_for_the_engine(kind: str, tmp_path: Path) -> None:
+    ((code, _),) = _complaints(tmp_path, _urdf(CONTINUOUS[0], kind), COUPLED + FOLLOWS.format(RATIO))
+    assert code == "joint-without-limits"
+
+
+MIMIC = '{}<mimic joint="{}" multiplier="{}" offset="{}"/>'
+AGREED = (("bend", 0.75, 0.0, 0.75), ("bend", -0.4, 1e-9, -0.4), ("bend", 0.3333, 0.0, 0.33333))
+DENIED = (
+    ("bend", -1.0, 0.0, 1.0, "thumb-bend is -1 times bend, found 1"),
+    ("bend", 0.5, 0.1, 0.5, "thumb-bend is 0.1 off where bend is 0"),
+    ("other", 0.5, 0.0, 0.5, "thumb-bend mimics other in the model, and follows bend here"),
+)
+
+
+@pytest.mark.parametrize(("leader", "multiplier", "offset", "ratio"), AGREED)
+def test_a_coupling_may_say_what_the_model_says(
+    leader: str, multiplier: float, offset: float, ratio: float, tmp_path: Path
+) -> None:
+    urdf = _urdf(MIMIC.format(CONTINUOUS[0], leader, multiplier, offset), "continuous")
+    assert _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(ratio)) == []
+    assert "mimic" not in hand_in(SpecFolder(tmp_path), "hand.yaml").model
+
+
+@pytest.mark.parametrize(("leader", "multiplier", "offset", "ratio", "said"), DENIED)
+def test_a_coupling_that_denies_what_the_model_says_is_one_complaint(
+    leader: str, multiplier: float, offset: float, ratio: float, said: str, tmp_path: Path
+) -> None:
+    urdf = _urdf(MIMIC.format(CONTINUOUS[0], leader, multiplier, offset), "continuous")
+    ((code, message),) = _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(ratio))
+    assert code == "wrong-coupling"
+    assert said in message
+
+
+def test_mimicry_is_followed_through_other_joints_and_either_way(tmp_path: Path) -> None:
+    """The driven joint mimics one that the file couples to it: the ratio is one over the multiplier."""
+    bend = '<axis xyz="0 1 0"/>'
+    urdf = changed(_urdf(CONTINUOUS[0], "continuous"), (bend, MIMIC.format(bend, "thumb-bend", "4", "0")))
+    assert _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(0.25)) == []
+    ((code, said),) = _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(4.0))
+    assert (code, "thumb-bend is 0.25 times bend, found 4" in said) == ("wrong-coupling", True)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_a_joint_without_room_is_fixed_where_it_is(kind: str, tmp_path: Path) -> None:
+    place = 0.3
+    limit = f'<limit lower="{place}" upper="{place}" effort="1" velocity="1"/>'
+    origin = '<origin xyz="-0.03 0 0"/>'
+    urdf = _urdf(f'<axis xyz="0.6 0 0.8"/>{limit}', kind)
+    urdf = changed(urdf, (origin, '<origin xyz="-0.03 0.01 0.02" rpy="0.4 -0.7 1.1"/>'))
+    assert _complaints(tmp_path, urdf, COUPLED) == []
+    ((code, said),) = _complaints(tmp_path, urdf, HAND)
+    assert (code, "its limits are both 0.3" in said) == ("joint-not-movable", True)
+    poses = []
+    for model in (urdf, robot_model(urdf.encode(), "two.urdf", "").with_meshes({})):
+        with _loaded(model, tmp_path) as (engine, client, body, at):
+            engine.resetJointState(body, at["thumb-bend"], place, physicsClientId=client)
+            state = engine.getLinkState(body, at["thumb-bend"], computeForwardKinematics=True, physicsClientId=client)
+            poses.append((engine.getJointInfo(body, at["thumb-bend"], client)[2], state[4], state[5]))
+    (_, position, quaternion), (fixed, place_found, turn_found) = poses
+    assert fixed == engine.JOINT_FIXED
+    np.testing.assert_allclose(place_found, position, atol=1e-6)
+    assert abs(np.dot(turn_found, quaternion)) == pytest.approx(1.0, abs=1e-6)
+
+
+def _course(urdf: str, folder: Path) -> list[float]:
+    """Where a joint that was pushed goes, with no motor on it."""
+    with _loaded(urdf, folder) as (engine, client, body, at):
+        joint = at["bend"]
+        engine.setJointMotorControl2(body, joint, engine.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
+        engine.resetJointState(body, joint, 0.0, 1.0, physicsClientId=client)
+        places = []
+        for _ in range(TICKS // 2):
+            engine.stepSimulation(client)
+            places.append(engine.getJointState(body, joint, client)[0])
+        return places
+
+
+def test_friction_of_joints_has_no_effect_and_is_one_warning(tmp_path: Path) -> None:
+    ends = ('velocity="2"/></joint>\n  <link name="tip">', 'velocity="2"/></joint>\n</robot>')
+    urdf = URDF
+    for end in ends:
+        urdf = changed(urdf, (end, end.replace("</joint>", '<dynamics friction="0.5"/></joint>')))
+    write(tmp_path, urdf, HAND)
+    (warning,) = hand_in(SpecFolder(tmp_path), "hand.yaml").warnings
+    assert (warning.code, "bend and thumb-bend has no effect" in warning.message) == ("no-effect", True)
+    course = _course(urdf, tmp_path)
+    assert course == _course(URDF, tmp_path)
+    assert course[-1] > course[0] > 0.0
+    damped = changed(URDF, (ends[0], ends[0].replace("</joint>", '<dynamics damping="0.5"/></joint>')))
+    assert _course(damped, tmp_path)[-1] < course[-1]
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_kinds_of_joints_above_the_root_are_nothing_to_the_hand(kind: str, tmp_path: Path) -> None:
+    above = f'<link name="world"/><joint name="v" type="{kind}"><parent link="world"/><child link="palm"/></joint>'
+    urdf = changed(URDF, ("</robot>", f"{above}</robot>"))
+    assert _complaints(tmp_path, urdf, HAND) == []
+    ((code, said),) = _complaints(tmp_path, urdf, HAND.replace("root: palm\n", "root: world\n"))
+    assert (code, repr(kind) in said) == ("unknown-joint-type", True)
+
+
+@pytest.mark.parametrize(("root", "hint"), [("", "name the link the hand begins with"), ("palm", "nearer to")])
+def test_the_hint_of_too_many_links_knows_of_the_root(root: str, hint: str) -> None:
+    with pytest.raises(DiagnosticError) as caught:
+        robot_model(with_links(MOST_LINKS).encode(), "two.urdf", root)
+    (fault,) = caught.value.diagnostics
+    assert hint in (fault.hint or "")
