@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graspdsl.cli.inputs import reading, sound
+from graspdsl.cli.messages import say
 
 if TYPE_CHECKING:
     from graspdsl.compiler.explain import Explanation
@@ -26,11 +27,15 @@ def _is_path(text: str) -> bool:
 
 
 def _of_expression(text: str) -> list[Explanation]:
+    from graspdsl.compiler.declarations import default_scene
     from graspdsl.compiler.explain import explained
     from graspdsl.compiler.program import default_target, examine_expression
 
     with reading("expression", text):
         phase, _ = examine_expression(text)
+    scene = default_scene()
+    resources = ", ".join(f"{entry.key.text} = {entry.value.text}" for entry in scene.resources)
+    say(f"outside a spec: the hand {scene.hand.text} on the mount {scene.mount.text}, {resources}")
     return [explained(phase, default_target())]
 
 

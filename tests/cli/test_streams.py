@@ -128,3 +128,10 @@ def test_the_summary_fits_the_terminal(columns: int, finished: FinishedRun) -> N
     assert max(map(len, lines[:-1])) <= columns
     assert lines[-1] == "  graspdsl run run/spec.yaml --trials 3 --seed 2006"
     assert "".join("".join(lines).split()).count("converged") >= 2
+
+
+def test_a_formula_alone_is_explained_in_a_scene_that_is_told(tmp_path: Path) -> None:
+    answer = graspdsl("explain", "π_gx|Γ Γ", "--as", "ascii", cwd=tmp_path)
+    assert answer.stdout == "pi_gx|G G\n"
+    assert "barrett" in answer.stderr
+    assert "Γ = {γ1, <γ2, γ3>}" in answer.stderr
