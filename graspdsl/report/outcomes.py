@@ -14,7 +14,7 @@ from graspdsl.trials.record import TrialRecord
 # What each outcome says of a trial; the times and bounds are those of the spec's monitors.
 MEANINGS: Mapping[Outcome, str] = {
     Outcome.CONVERGED: "the end conditions held, and the object had not been dragged",
-    Outcome.LOCAL_MINIMUM: "the residual stopped falling",
+    Outcome.LOCAL_MINIMUM: "the residual stopped falling before the end conditions held, as the hand senses them",
     Outcome.PALM_COLLISION: "the palm touched the object",
     Outcome.LINK_COLLISION: "a link other than fingertips and palm touched the object",
     Outcome.TABLE_CONTACT: "a link touched the table",
@@ -22,14 +22,14 @@ MEANINGS: Mapping[Outcome, str] = {
     Outcome.TOPPLED: "the object leant too far, or did not stand",
     Outcome.DRAGGED: "the end conditions held, but the object had been dragged",
     Outcome.JOINT_LIMIT: "a joint was kept from going on by its limit",
-    Outcome.TIMEOUT: "time was up",
+    Outcome.TIMEOUT: "time was up before the end conditions held, as the hand senses them",
     Outcome.DIVERGED: "the object was moved away",
     Outcome.INFEASIBLE_START: "the world could take up no start that was drawn",
     Outcome.CRASHED: "the simulation failed",
 }
 
 # A number on its own, not part of a name such as finger-3.
-_NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d+)?(?![\w.]*\w)")
+_NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 
 
 def outcome_table(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
