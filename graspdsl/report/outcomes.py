@@ -44,7 +44,7 @@ def outcome_table(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
             "share": count / len(records),
             "interval": wilson(count, len(records)),
             "trials": [record.number for record in records if record.outcome is outcome],
-            "details": _details(record for record in records if record.outcome is outcome),
+            "details": grouped((record.number, record.detail) for record in records if record.outcome is outcome),
         }
         for outcome, count in counts
     ]
@@ -58,14 +58,15 @@ def representatives(records: Iterable[TrialRecord]) -> dict[str, TrialRecord]:
     return shown
 
 
-def _details(records: Iterable[TrialRecord]) -> list[dict[str, Any]]:
-    """What was said, alike but for its numbers, taken together; each number as the range that it took."""
-    groups: dict[tuple[str, ...], list[TrialRecord]] = {}
-    for record in records:
-        if record.detail:
-            groups.setdefault(tuple(_NUMBER.split(record.detail)), []).append(record)
+def grouped(details: Iterable[tuple[int, str]]) -> list[dict[str, Any]]:
+    """What was said of trials by number, alike but for its numbers, taken together, the most frequent first; each
+    number as the range that it took."""
+    groups: dict[tuple[str, ...], list[tuple[int, str]]] = {}
+    for number, detail in details:
+        if detail:
+            groups.setdefault(tuple(_NUMBER.split(detail)), []).append((number, detail))
     return [
-        {"detail": _with_ranges(texts, [record.detail for record in group]), "trials": [r.number for r in group]}
+        {"detail": _with_ranges(texts, [detail for _, detail in group]), "trials": [number for number, _ in group]}
         for texts, group in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
 
