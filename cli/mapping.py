@@ -14,7 +14,7 @@ from rich.text import Text
 from graspdsl.cli.inputs import reading, sound
 from graspdsl.cli.messages import INTERRUPTED, printable, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
-from graspdsl.cli.tables import row, table, text_of
+from graspdsl.cli.tables import reasons_table, row, table, text_of
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
 from graspdsl.report.map_files import FILES, write_map
@@ -165,6 +165,12 @@ def _text(numbers: dict[str, Any]) -> str:
     for entry in numbers["classes"]:
         low, high = entry["interval"]
         row(listed, entry["label"], str(entry["count"]), percent(entry["share"]), f"{percent(low)} to {percent(high)}")
+    reasons = [
+        (entry["label"], said["detail"], said["count"], entry["count"])
+        for entry in numbers["classes"]
+        if (said := entry["mostly"]) is not None
+    ]
+    why: list[RenderableType] = ["", reasons_table("Why starts did not converge, mostly", reasons)] if reasons else []
     good, (low, high) = numbers["converged"], numbers["converged"]["interval"]
     whole = "no start was feasible"
     if numbers["feasible"]:
@@ -176,4 +182,4 @@ def _text(numbers: dict[str, Any]) -> str:
         whole,
         Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
     ]
-    return text_of([*head, "", listed, *foot], f"  {printable(numbers['command'])}")
+    return text_of([*head, "", listed, *why, *foot], f"  {printable(numbers['command'])}")

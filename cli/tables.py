@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import conditions, millimetres, number, percent
+from graspdsl.report.wording import conditions, counted, millimetres, number, percent
 
 Numbers = dict[str, Any]
 
@@ -28,7 +28,8 @@ def summary_text(numbers: Numbers) -> str:
 
 
 def _tables(numbers: Numbers) -> list[Callable[[Numbers], Table]]:
-    return [_outcomes, _modes, _measures, *([_quality] if numbers["quality"] else [])]
+    reasons = [_reasons] if any(_unconverged(numbers)) else []
+    return [_outcomes, *reasons, _modes, _measures, *([_quality] if numbers["quality"] else [])]
 
 
 def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
@@ -92,6 +93,31 @@ def _outcomes(numbers: Numbers) -> Table:
     return listed
 
 
+def _reasons(numbers: Numbers) -> Table:
+    return reasons_table(
+        "Why trials did not converge, mostly",
+        (
+            (entry["outcome"], said["detail"], len(said["trials"]), entry["count"])
+            for entry, said in _unconverged(numbers)
+        ),
+    )
+
+
+def _unconverged(numbers: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
+    """The outcomes but convergence of which something was said, each with what was said most often."""
+    for entry in numbers["outcome_table"]:
+        if entry["outcome"] != "converged" and entry["details"]:
+            yield entry, entry["details"][0]
+
+
+def reasons_table(title: str, reasons: Iterable[tuple[str, str, int, int]]) -> Table:
+    """Outcomes, each with what was said most often, of how many, and how many there are."""
+    listed = table(title, "outcome", "what was said", words=True)
+    for outcome, said, count, whole in reasons:
+        row(listed, outcome, said if count == whole else f"{said} ({count} of {whole})")
+    return listed
+
+
 def _modes(numbers: Numbers) -> Table:
     columns = ("orientation", "trials", "share", "95 % interval", "‖ρ_f‖", "‖ρ_m‖")
     listed = table("Where grasps ended: modes of orientation, with medians", *columns)
@@ -106,6 +132,9 @@ def _modes(numbers: Numbers) -> Table:
             number(mode["force_residual"], "", 3),
             millimetres(mode["moment_residual"]),
         )
+    base = numbers["modes"][0]["of"] if numbers["modes"] else numbers["in_contact"]["end"].count(True)
+    whole = counted(base, "trial", "trials")
+    listed.caption, listed.caption_justify = f"of {whole} whose contacts all touched at the end", "left"
     return listed
 
 

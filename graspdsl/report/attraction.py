@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from graspdsl.compiler.program import Program
+from graspdsl.report.outcomes import grouped
 from graspdsl.report.statistics import modes, wilson
 from graspdsl.trials.cells import Axis, Cells
 from graspdsl.trials.grids import cells_of
@@ -101,7 +102,8 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
 
     ``grid``: the class of each cell by its place in ``classes``, rows along the second axis. Shares are of all cells,
     with 95 % Wilson intervals as if starts had been drawn evenly over the map; ``converged`` is the share of those
-    cells that were feasible.
+    cells that were feasible. ``details``: what was said of each cell, and ``mostly`` what was of most of a class and of
+    how many of its cells; None where nothing was.
     """
     cells, count = made.cells, len(made.cells.outcomes)
     place = np.zeros(count, dtype=int)
@@ -134,6 +136,7 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
                 "count": len(found.cells),
                 "share": len(found.cells) / count,
                 "interval": wilson(len(found.cells), count),
+                "mostly": _mostly(cells, found),
             }
             for found in made.classes
         ],
@@ -141,7 +144,13 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
         "grid": _rows(place.tolist(), cells.x.cells),
         "ticks": _rows([_known(value) for value in cells.ticks], cells.x.cells),
         "orientation": _rows([_known(value) for value in cells.orientation], cells.x.cells),
+        "details": _rows([detail or None for detail in cells.details], cells.x.cells),
     }
+
+
+def _mostly(cells: Cells, found: CellClass) -> dict[str, Any] | None:
+    said = grouped((cell, cells.details[cell]) for cell in found.cells)
+    return {"detail": said[0]["detail"], "count": len(said[0]["trials"])} if said else None
 
 
 def _axis(axis: Axis) -> Mapping[str, Any]:

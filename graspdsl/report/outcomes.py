@@ -14,7 +14,7 @@ from graspdsl.trials.record import TrialRecord
 # What each outcome says of a trial; the times and bounds are those of the spec's monitors.
 MEANINGS: Mapping[Outcome, str] = {
     Outcome.CONVERGED: "the end conditions held, and the object had not been dragged",
-    Outcome.LOCAL_MINIMUM: "the residual stopped falling",
+    Outcome.LOCAL_MINIMUM: "the residual stopped falling before the end conditions held, as the hand senses them",
     Outcome.PALM_COLLISION: "the palm touched the object",
     Outcome.LINK_COLLISION: "a link other than fingertips and palm touched the object",
     Outcome.TABLE_CONTACT: "a link touched the table",
@@ -22,14 +22,14 @@ MEANINGS: Mapping[Outcome, str] = {
     Outcome.TOPPLED: "the object leant too far, or did not stand",
     Outcome.DRAGGED: "the end conditions held, but the object had been dragged",
     Outcome.JOINT_LIMIT: "a joint was kept from going on by its limit",
-    Outcome.TIMEOUT: "time was up",
+    Outcome.TIMEOUT: "time was up before the end conditions held, as the hand senses them",
     Outcome.DIVERGED: "the object was moved away",
     Outcome.INFEASIBLE_START: "the world could take up no start that was drawn",
     Outcome.CRASHED: "the simulation failed",
 }
 
 # A number on its own, not part of a name such as finger-3.
-_NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d+)?(?![\w.]*\w)")
+_NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 
 
 def outcome_table(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
@@ -44,7 +44,7 @@ def outcome_table(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
             "share": count / len(records),
             "interval": wilson(count, len(records)),
             "trials": [record.number for record in records if record.outcome is outcome],
-            "details": _details(record for record in records if record.outcome is outcome),
+            "details": grouped((record.number, record.detail) for record in records if record.outcome is outcome),
         }
         for outcome, count in counts
     ]
@@ -58,14 +58,15 @@ def representatives(records: Iterable[TrialRecord]) -> dict[str, TrialRecord]:
     return shown
 
 
-def _details(records: Iterable[TrialRecord]) -> list[dict[str, Any]]:
-    """What was said, alike but for its numbers, taken together; each number as the range that it took."""
-    groups: dict[tuple[str, ...], list[TrialRecord]] = {}
-    for record in records:
-        if record.detail:
-            groups.setdefault(tuple(_NUMBER.split(record.detail)), []).append(record)
+def grouped(details: Iterable[tuple[int, str]]) -> list[dict[str, Any]]:
+    """What was said of trials by number, alike but for its numbers, taken together, the most frequent first; each
+    number as the range that it took."""
+    groups: dict[tuple[str, ...], list[tuple[int, str]]] = {}
+    for number, detail in details:
+        if detail:
+            groups.setdefault(tuple(_NUMBER.split(detail)), []).append((number, detail))
     return [
-        {"detail": _with_ranges(texts, [record.detail for record in group]), "trials": [r.number for r in group]}
+        {"detail": _with_ranges(texts, [detail for _, detail in group]), "trials": [number for number, _ in group]}
         for texts, group in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
 

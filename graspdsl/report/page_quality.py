@@ -56,7 +56,8 @@ def _verdicts(quality: Numbers, grades: list[str]) -> PageTable:
             )
         )
     columns = ("grade", "passed", "of", "share", "95 % interval", "why not")
-    return PageTable("Verdicts", columns, tuple(rows), " ".join(DEFINITIONS[name] for name in grades))
+    note = " ".join([*(DEFINITIONS[name] for name in grades), "Trials that could not begin are not counted."])
+    return PageTable("Verdicts", columns, tuple(rows), note)
 
 
 def _measures(found: Numbers) -> PageTable:

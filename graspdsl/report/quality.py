@@ -15,12 +15,13 @@ Numbers = dict[str, Any]
 
 
 def quality(records: Sequence[TrialRecord]) -> Numbers:
-    """The grades of all trials that were graded, as plain data; of grades that no trial has, nothing.
+    """The grades of all trials that began and were graded, as plain data; of grades that no trial has, nothing.
 
     Shares carry 95 % Wilson intervals; ``reasons`` count why grasps have no closure, no measure or were dropped. The
     confusion table counts trials by three verdicts: converged (the residuals'), force closure, and kept (the
     simulator's: shaken where there was a shake, else lifted), all eight combinations and by outcome.
     """
+    records = [record for record in records if record.outcome is not Outcome.INFEASIBLE_START]
     found: Numbers = {}
     if closures := _grades(records, "force-closure"):
         found["force_closure"] = {"closed": sum(g["closed"] for g in closures), **_counted(closures, "closed")}

@@ -36,8 +36,9 @@ class Cells:
     """A map of n = columns × rows cells, the columns of the first row first.
 
     outcomes: (n,) by name; orientation [rad] and ticks: (n,), of the grasp at the end and to converge, NaN where there
-    is none. ``x`` and ``y``: the axes of columns and rows. ``fixed``: what all starts have in common,
-    in words and with its value; ``marks``: places on the map to show, by name.
+    is none; details: (n,) what was said of each, maybe nothing. ``x`` and ``y``: the axes of columns and rows.
+    ``fixed``: what all starts have in common, in words and with its value; ``marks``: places on the map to show, by
+    name.
     """
 
     x: Axis
@@ -47,3 +48,4 @@ class Cells:
     ticks: Array
     fixed: Mapping[str, str]
     marks: Mapping[str, tuple[float, float]]
+    details: tuple[str, ...]

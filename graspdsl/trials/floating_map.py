@@ -79,6 +79,7 @@ def floating_cells(
         ticks=np.concatenate([run.ticks for run in runs]),
         fixed={"contact": moved, **{name: _said(angles) for name, angles in others.items()}},
         marks={name: (_within(x, angles), _within(y, angles)) for name, angles in others.items()},
+        details=("",) * len(outcomes),
     )
 
 

@@ -116,6 +116,7 @@ def cells_of(spec: Spec, records: Sequence[TrialRecord]) -> Cells:
         ticks=_ticks(records),
         fixed=fixed,
         marks={},
+        details=tuple(record.detail for record in records),
     )
 
 

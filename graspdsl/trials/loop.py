@@ -125,7 +125,7 @@ class TrialLoop:
             settings = self._program.spec.program[index]
             end = self._phase(index, first, observation, log)
             if end.verdict is not None and end.verdict.outcome is Outcome.TIMEOUT:
-                return self._monitors(phase, first).out_of_time(end.observation, settings.limit)
+                return self._monitors(phase, first).out_of_time(end.observation, settings.limit, end.verdict.detail)
             if end.verdict is not None:
                 return end.verdict
             observation = end.observation

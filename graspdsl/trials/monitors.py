@@ -97,28 +97,25 @@ class Monitors:
                 return Verdict(Outcome.CONTACT_LOST, f"{name} lost the object" + _for(self.bounds.lost))
         return None
 
-    def watch_progress(self, measure: GraspMeasure) -> Verdict | None:
-        """A residual that has stopped falling: its least value of a window is hardly below that of the one before."""
+    def has_stalled(self, measure: GraspMeasure) -> bool:
+        """Whether the residual has stopped falling: its least value of a window is hardly below that of the one
+        before."""
         progress = self.bounds.progress
         if progress == OFF:
-            return None
+            return False
         value = math.hypot(measure.force_residual, measure.moment_residual / self.radius)
         window = self.samples
         self._history.append(value)
         if len(self._history) < 2 * window:
-            return None
+            return False
         values = list(self._history)
         self._history.popleft()
         before, after = min(values[:window]), min(values[window:])
-        if after > (1.0 - progress.least) * before:
-            return Verdict(
-                Outcome.LOCAL_MINIMUM, f"the residual stopped falling at ‖ρ_f‖ = {measure.force_residual:.2f}"
-            )
-        return None
+        return after > (1.0 - progress.least) * before
 
-    def out_of_time(self, observation: Observation, limit: float) -> Verdict:
+    def out_of_time(self, observation: Observation, limit: float, waited_for: str) -> Verdict:
         """What kept a phase from its end within its limit [s]: a contact never made, a joint at its limit, or just
-        time. What nobody watches for is no cause."""
+        time, with what was waited for. What nobody watches for is no cause."""
         missing = [self.info.contacts[c] for c in self.grasp.contacts if not observation.touching[c]]
         if missing and self.bounds.lost != OFF:
             return Verdict(Outcome.CONTACT_LOST, f"{', '.join(missing)} made no contact within {limit:g} s")
@@ -128,7 +125,7 @@ class Monitors:
         names = [name for name, is_stuck in zip(self.info.joints, stuck, strict=True) if is_stuck]
         if names and self.bounds.joint_limit != OFF:
             return Verdict(Outcome.JOINT_LIMIT, f"{', '.join(names)} at a limit")
-        return Verdict(Outcome.TIMEOUT, f"not converged within {limit:g} s")
+        return Verdict(Outcome.TIMEOUT, f"not converged within {limit:g} s: {waited_for}")
 
     def _lasts(self, what: str, happens: bool, time: float, bound: float | str) -> bool:
         """Whether something goes on for longer than it may; a bound of zero means at once."""

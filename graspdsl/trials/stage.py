@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-
 from graspdsl.compiler.graph import ControllerGraph, controllers_in
 from graspdsl.compiler.pipeline import Pipeline, Tick
 from graspdsl.compiler.program import CONDITIONS, CheckedPhase
 from graspdsl.spec.program import Until
+from graspdsl.trials.end_conditions import is_low, unmet
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors
 from graspdsl.trials.outcomes import Outcome, Verdict
@@ -68,29 +67,27 @@ class Stage:
             if held_from is not None and observation.time - held_from >= self.until.hold - ROUNDING:
                 return StageEnd(observation)
             for earlier, condition in enumerate(self.before):
-                if not _low(condition, tick):
+                if not is_low(condition, tick):
                     return StageEnd(observation, back_to=earlier)
-            if waits_for_residual:
-                verdict = self.monitors.watch_progress(now)
-            if verdict is None and observation.time >= self.deadline - ROUNDING:
-                verdict = Verdict(Outcome.TIMEOUT)
-            if verdict is not None:
-                return StageEnd(observation, verdict)
+            if waits_for_residual and self.monitors.has_stalled(now):
+                why = f"the residual stopped falling: {self._waited_for(observation, tick, held_from)}"
+                return StageEnd(observation, Verdict(Outcome.LOCAL_MINIMUM, why))
+            if observation.time >= self.deadline - ROUNDING:
+                why = self._waited_for(observation, tick, held_from)
+                return StageEnd(observation, Verdict(Outcome.TIMEOUT, why))
             observation = self.world.step(tick.command)
 
     def _met(self, until: Until, observation: Observation, tick: Tick) -> bool:
         """Whether end conditions hold, as the hand senses them: every contact touches and what is bounded is low."""
-        return bool(observation.touching[list(self.phase.grasp.contacts)].all()) and _low(until, tick)
+        return bool(observation.touching[list(self.phase.grasp.contacts)].all()) and is_low(until, tick)
 
-
-def _low(until: Until, tick: Tick) -> bool:
-    """Whether residuals and force error are below their bounds, those that are given and can be measured."""
-    measured = {
-        "force_residual": float(np.linalg.norm(tick.force_residual)),
-        "moment_residual": float(np.linalg.norm(tick.moment_residual)),
-        "force_error": tick.force_error,
-    }
-    return not any(value >= bound for name, value in measured.items() if (bound := getattr(until, name)) is not None)
+    def _waited_for(self, observation: Observation, tick: Tick, held_from: float | None) -> str:
+        """What keeps the stage from its end: the end conditions that do not hold, or how long all of them have."""
+        if held_from is not None:
+            return f"the end conditions held for {observation.time - held_from:.1f} s of {self.until.hold:g} s"
+        names = self.monitors.info.contacts
+        away = [names[contact] for contact in self.phase.grasp.contacts if not observation.touching[contact]]
+        return unmet(self.until, tick, away)
 
 
 def until_of(stage: ControllerGraph, until: Until) -> Until:

@@ -10,7 +10,7 @@ Rows = np.ndarray[tuple[int], np.dtype[np.intp]]
 
 
 class StallWatch:
-    """Watches N residuals as ``Monitors.watch_progress`` watches one.
+    """Watches N residuals as ``Monitors.has_stalled`` watches one.
 
     A start has stalled when the least value of its last ``window`` steps is below that of the ``window`` before by less
     than the share ``least``. radius [m] makes moments and forces comparable.

@@ -39,6 +39,8 @@ def test_a_map_of_a_hand_does_not_depend_on_workers(tmp_path: Path) -> None:
     assert without_place(maps["1"]) == without_place(maps["2"])
     in_the_table = maps["1"]["grid"][0]
     assert [maps["1"]["classes"][place]["outcome"] for place in in_the_table] == ["infeasible-start"] * 2
+    reasons = maps["1"]["details"][0]
+    assert all(reason.startswith("the start is not feasible: ") for reason in reasons)
     assert maps["1"]["feasible"] > 0
     assert maps["1"]["fixed"]["standoff"] == "0.07 m"
     assert "infeasible-start" in graspdsl("report", tmp_path / "1", cwd=tmp_path).stdout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import shutil
 import subprocess
@@ -154,6 +155,26 @@ def test_the_summary_says_what_converged_means_and_where_the_run_is(finished: Fi
         "  graspdsl run run/spec.yaml --trials 3 --seed 2006",
     ]
     assert max(map(len, lines)) <= 80
+
+
+def test_the_summary_says_why_no_start_was_feasible(tmp_path: Path) -> None:
+    """And no grades are given to trials that never began."""
+    settings = ("--set", "trials.start={height: -0.05}", "--set", "evaluate=[force-closure, lift]")
+    answer = graspdsl("run", SPEC, "--trials", "2", *settings, cwd=tmp_path, env={"COLUMNS": "120"})
+    [row] = [line for line in answer.stdout.splitlines() if "finger-1 cannot close" in line]
+    assert row.split(maxsplit=1) == [
+        "infeasible-start",
+        "the start is not feasible: finger-1 cannot close on the object with its tip",
+    ]
+    assert "of 0 trials whose contacts all touched at the end" in answer.stdout
+    assert "How good the grasps are" not in answer.stdout
+
+
+def test_modes_say_of_which_trials_they_are(finished: FinishedRun) -> None:
+    answer = graspdsl("report", "run", cwd=finished.folder.parent)
+    said = re.search(r"^of (\d+) trials? whose contacts all touched at the end", answer.stdout, flags=re.M)
+    assert said is not None
+    assert int(said[1]) == sum(finished.document["in_contact"]["end"])
 
 
 def test_runs_begun_at_once_get_folders_of_their_own(tmp_path: Path) -> None:

@@ -31,7 +31,9 @@ def made(cells: Cells) -> AttractionMap:
 def some(outcomes: list[str] = ENDS, marks: Mapping[str, tuple[float, float]] | None = None) -> Cells:
     """Twelve cells that ended so."""
     ticks = [10.0 * (place + 1) if name == "converged" else math.nan for place, name in enumerate(outcomes)]
-    return Cells(X, Y, tuple(outcomes), np.array(ORIENTATION), np.array(ticks), {"yaw": "0 rad"}, marks or {})
+    details = tuple("" if name == "converged" else f"{name} after {place} s" for place, name in enumerate(outcomes))
+    values = np.array(ORIENTATION), np.array(ticks)
+    return Cells(X, Y, tuple(outcomes), *values, {"yaw": "0 rad"}, marks or {}, details)
 
 
 def test_converged_cells_part_by_mode_and_others_by_outcome() -> None:
@@ -59,6 +61,20 @@ def test_numbers_of_a_map() -> None:
     assert numbers["converged"] == {"count": 8, "share": 8 / 11, "interval": list(wilson(8, 11))}
     assert numbers["classes"][3]["interval"] == list(wilson(3, 12))
     assert numbers["axes"][0]["middles"] == [-0.75, -0.25, 0.25, 0.75]
+
+
+def test_a_map_says_why_cells_did_not_converge() -> None:
+    numbers = json.loads(json.dumps(as_data(made(some()))))
+    assert numbers["details"][:2] == [[None] * 4] * 2
+    assert numbers["details"][2] == [
+        *(f"timeout after {second} s" for second in (8, 9, 10)),
+        "infeasible-start after 11 s",
+    ]
+    assert [entry["mostly"] for entry in numbers["classes"]] == [
+        *[None] * 3,
+        {"detail": "timeout after 8 to 10 s", "count": 3},
+        {"detail": "infeasible-start after 11 s", "count": 1},
+    ]
 
 
 def test_nothing_feasible_has_no_share() -> None:
@@ -109,7 +125,7 @@ def test_a_map_without_convergence_has_one_panel() -> None:
 
 def test_a_floating_map_has_the_top_of_the_object_above() -> None:
     axis = Axis("polar", "rad", 0.0, 3.0, 3)
-    cells = Cells(X, axis, ("converged",) * 12, np.zeros(12), np.ones(12), {"contact": "point-1"}, {})
+    cells = Cells(X, axis, ("converged",) * 12, np.zeros(12), np.ones(12), {"contact": "point-1"}, {}, ("",) * 12)
     axes = map_figure(made(cells)).axes[0]
     assert axes.get_ylim() == (3.0, 0.0)
     assert axes.get_ylabel() == "polar angle of point-1 from the top (rad)"

@@ -74,6 +74,12 @@ def test_three_verdicts_side_by_side() -> None:
     assert confusion["outcomes"]["converged"] == {"trials": 3, "force_closure": 2, "lift": 3, "shake": 2}
 
 
+def test_trials_that_never_began_are_not_counted() -> None:
+    never = _graded(Outcome.INFEASIBLE_START, False, None, False, False)
+    assert quality([never, *RECORDS, never]) == quality(RECORDS)
+    assert quality([never]) == {}
+
+
 def test_one_grade_alone() -> None:
     found = quality([_record(Outcome.CONVERGED, {"lift": {"kept": True, "reason": ""}})])
     assert set(found) == {"lift", "confusion"}

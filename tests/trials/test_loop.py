@@ -203,9 +203,9 @@ def test_a_contact_is_lost_after_two_seconds_away(shown: tuple[Observation, Trut
 @pytest.mark.parametrize(("fall", "stalls"), [(0.90, False), (0.995, False), (1.0, True), (0.9999, True)])
 def test_progress_is_a_fall_of_the_residual(fall: float, stalls: bool) -> None:
     watch = monitors(samples=10)
-    verdicts = [watch.watch_progress(GraspMeasure(fall**tick, 0.0, 1.0)) for tick in range(40)]
-    assert any(verdicts) is stalls
-    assert not any(verdicts[:19])  # two windows of ten are needed
+    found = [watch.has_stalled(GraspMeasure(fall**tick, 0.0, 1.0)) for tick in range(40)]
+    assert any(found) is stalls
+    assert not any(found[:19])  # two windows of ten are needed
 
 
 # Stages

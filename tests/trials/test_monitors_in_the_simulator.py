@@ -149,12 +149,39 @@ ENDINGS = (
     Ending(
         "a residual that the close does not lower",
         Outcome.LOCAL_MINIMUM,
-        "‖ρ_f‖",
+        "the residual stopped falling: ‖ρ_f‖ = ",
         MAIN,
         (*UNREACHED, "monitors.progress={window: 1.0}", "program.1.limit=6"),
         (("monitors.progress=off", Outcome.TIMEOUT), ("monitors.progress={window: 4.0}", Outcome.TIMEOUT)),
     ),
-    Ending("too little time", Outcome.TIMEOUT, "within 0.3 s", MAIN, (FAIR_START, "program.1.limit=0.3"), ()),
+    Ending(
+        "too little time",
+        Outcome.TIMEOUT,
+        "not converged within 0.3 s: ",
+        MAIN,
+        (FAIR_START, "program.1.limit=0.3"),
+        (),
+    ),
+    Ending(
+        "too little time to hold",
+        Outcome.TIMEOUT,
+        "not converged within 1 s: the end conditions held for 1.0 s of 2 s",
+        MAIN,
+        (FAIR_START, "program.1={run: π_close|Γ Γ, until: {contact: all, hold: 2}, limit: 1}"),
+        (),
+    ),
+    Ending(
+        "a bound on the moment alone is missed",
+        Outcome.LOCAL_MINIMUM,
+        "the residual stopped falling: ‖ρ_m‖ = ",
+        MAIN,
+        (
+            *UNREACHED,
+            "program.1.until={force_residual: 10, moment_residual: 1e-4, hold: 1.0}",
+            "monitors.progress={window: 1.0}",
+        ),
+        (),
+    ),
     Ending(
         "a start in the table", Outcome.INFEASIBLE_START, "cannot close", MAIN, ("trials.start={height: -0.05}",), ()
     ),

@@ -32,11 +32,11 @@ def test_many_are_watched_as_one_is() -> None:
         given_up[rows[watch.watch(step, rows, force[step, rows], moment[step, rows])]] = step
     for row in range(20):
         monitors = Monitors(BOUNDS, GRASP, INFO, "palm", RADIUS, WINDOW, np.zeros(0))
-        verdicts = (
-            monitors.watch_progress(GraspMeasure(force[step, row], moment[step, row], 0.0))
+        stalls = (
+            monitors.has_stalled(GraspMeasure(force[step, row], moment[step, row], 0.0))
             for step in range(anew[row], STEPS)
         )
-        alone = next((step for step, verdict in enumerate(verdicts, anew[row]) if verdict is not None), -1)
+        alone = next((step for step, stalled in enumerate(stalls, anew[row]) if stalled), -1)
         assert given_up[row] == alone
     assert -1 in given_up
     assert len(set(given_up)) > 3
