@@ -37,6 +37,7 @@ _BOUNDS = {
     "less_than": ("lt", "below"),
     "less_than_equal": ("le", "of at most"),
 }
+_UNIT_HINTS = {"m": "lengths are in metres", "rad": "angles are in radians"}
 _LENGTHS = {
     "too_short": ("min_length", "at least"),
     "too_long": ("max_length", "at most"),
@@ -109,6 +110,7 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
         key, words = _BOUNDS[kind]
         code = "out-of-range"
         message = f"expected a number {words} {as_yaml(context[key])}{unit}, found {as_yaml(value)}"
+        hint = _UNIT_HINTS.get(here.unit or "")
     elif kind in _LENGTHS:
         key, words = _LENGTHS[kind]
         what = "character" if kind.startswith("string") else "item"
