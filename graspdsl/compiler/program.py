@@ -21,7 +21,7 @@ from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.object_check import found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture
+from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
@@ -171,8 +171,14 @@ class _ProgramCheck:
             return
         self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
-        senses_gravity = declarations.senses_gravity
-        table = ResourceTable(declarations.resources, self.robot, complaints, senses_gravity=senses_gravity)
+        table = ResourceTable(
+            declarations.resources,
+            self.robot,
+            complaints,
+            senses_gravity=declarations.senses_gravity,
+            unread=declarations.unread,
+            other_hand=hand_for_floating(declarations),
+        )
         self._checker = Checker(table, definitions, declarations.parameters, complaints)
 
     def _robot(self) -> Robot | None:
