@@ -18,7 +18,7 @@ from graspdsl.compiler.definitions import definitions_with
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.monitors_check import check_monitors
-from graspdsl.compiler.object_check import found_object
+from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
@@ -222,7 +222,7 @@ class _ProgramCheck:
         if name is None or name.text in known:
             return True
         self._complaints.about(path)
-        hint = known_names_hint(name.text, known, f"{what}s")
+        hint = (file_hint(name.text) if what == "object" else None) or known_names_hint(name.text, known, f"{what}s")
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 

@@ -63,6 +63,9 @@ SCENE = (
     Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
     Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
+    Case("a file of triangles by its name alone", spec(scene="world: bullet, object: parts/part.STL")),
+    Case("a URDF file by its name alone", spec(scene="world: bullet, object: {like: part.urdf, mass: 1.0}")),
+    Case("a URDF file given as a mesh is", spec(scene="world: bullet, object: {urdf: {file: part.urdf}}")),
 )
 WORLDS = (
     _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
@@ -116,6 +119,7 @@ WORLDS = (
         "monitors of a held ball",
         spec(scene="world: bullet, object: {like: ball, held: true}", monitors="lean: 0.2, table: stop, palm: on"),
     ),
+    Case("monitors by their outcomes", spec(monitors="palm-collision: off, joint-limit: 1, toppled: 0.2, timeout: 9")),
     Case("monitors that are not understood", spec(monitors="palm: never, lean: stop, lots: 1, progress: {window: 0}")),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
 )
