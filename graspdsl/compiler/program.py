@@ -21,7 +21,7 @@ from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
+from graspdsl.compiler.scene_check import check_scene, check_start_posture, check_trials, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
@@ -126,6 +126,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     thing = None
     if spec is not None:
         check_monitors(spec, document, complaints)
+        check_trials(spec, document, complaints)
         thing = found_object(spec, document, complaints, folder)
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)

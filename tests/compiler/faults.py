@@ -60,6 +60,8 @@ TOWEL_ROLL = "world: bullet, hand: barrett, object: towel-roll"
 SCENE = (
     Case("a start posture of a joint that is not there", spec(start="posture: {spred-1: 1.0}")),
     Case("a start posture beyond a limit", spec(start="posture: {spread-1: {uniform: [1.0, 4.0]}}")),
+    Case("trials that are all equal", spec().replace("program:", "trials: {count: 4, start: {roll: 0.3}}\nprogram:")),
+    Case("trials that are all equal, on the command line", spec(start="roll: 0.3"), ("trials.count=8",)),
     Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
     Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
