@@ -37,10 +37,12 @@ class PhaseEntry:
 class Declarations:
     """The scene's names, and the entries of ``resources``, ``controllers``, ``parameters`` and ``program``.
 
-    A parameter whose value could not be read, which has had its complaint, is None.
+    A parameter whose value could not be read, which has had its complaint, is None. ``unread`` are the names of
+    resources whose declarations are no texts, which have had theirs too.
     """
 
     hand: SourceText
+    names_hand: bool
     mount: SourceText
     world: SourceText
     object: SourceText | None
@@ -53,6 +55,7 @@ class Declarations:
     parameters: Mapping[str, tuple[float, ...] | None]
     phases: tuple[PhaseEntry, ...]
     document: Document | None = None
+    unread: tuple[str, ...] = ()
 
 
 def default_scene() -> Declarations:
@@ -60,6 +63,7 @@ def default_scene() -> Declarations:
     resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
     return Declarations(
         hand=SourceText.of("barrett"),
+        names_hand=False,
         mount=SourceText.of("gantry"),
         world=SourceText.of("bullet"),
         object=None,
@@ -82,6 +86,7 @@ def declarations_of(document: Document) -> Declarations:
     object_path: Path = ("scene", "object", "like") if inline else ("scene", "object")
     return Declarations(
         hand=_text(document, ("scene", "hand")) or fallback.hand,
+        names_hand=isinstance(scene, dict) and "hand" in scene,
         mount=_text(document, ("scene", "mount")) or fallback.mount,
         world=_text(document, ("scene", "world")) or fallback.world,
         object=_text(document, object_path),
@@ -94,6 +99,7 @@ def declarations_of(document: Document) -> Declarations:
         parameters=_parameters(document),
         phases=_phases(document),
         document=document,
+        unread=_unread(document),
     )
 
 
@@ -129,6 +135,11 @@ def _entries(document: Document, section: str) -> tuple[Entry, ...]:
         if text is not None:
             entries.append(Entry(document.key_source_text((section, key)), text, path))
     return tuple(entries)
+
+
+def _unread(document: Document) -> tuple[str, ...]:
+    declared = _mapping(document, "resources").items()
+    return tuple(canonical(name) for name, meaning in declared if not isinstance(meaning, str))
 
 
 def _parameters(document: Document) -> dict[str, tuple[float, ...] | None]:

@@ -4,18 +4,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path as FilePath
+from pathlib import PurePosixPath
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.objects.bodies import body_in
 from graspdsl.objects.floating_surface import surface_of
+from graspdsl.objects.mesh_files import SUFFIXES
 from graspdsl.objects.shapes import Body, Cylinder, catalogue, shape_from
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.spec.named_files import NamedFile, SpecFolder
 from graspdsl.spec.scene import InlineObject
+from graspdsl.spec.wording import shortened
 from graspdsl.worlds.kinds import WORLDS
+
+
+def file_hint(name: str) -> str | None:
+    """How the file that an object's name looks like is given as an object; None for any other name."""
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix == ".urdf":
+        return f"for a file write object: {{urdf: {shortened(name)}}}"
+    return f"for a file write object: {{mesh: {{file: {shortened(name)}}}}}" if suffix in SUFFIXES else None
 
 
 def found_object(

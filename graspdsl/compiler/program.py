@@ -18,10 +18,10 @@ from graspdsl.compiler.definitions import definitions_with
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.monitors_check import check_monitors
-from graspdsl.compiler.object_check import found_object
+from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture
+from graspdsl.compiler.scene_check import check_scene, check_start_posture, check_trials, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
@@ -126,6 +126,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     thing = None
     if spec is not None:
         check_monitors(spec, document, complaints)
+        check_trials(spec, document, complaints)
         thing = found_object(spec, document, complaints, folder)
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
@@ -171,8 +172,14 @@ class _ProgramCheck:
             return
         self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
-        senses_gravity = declarations.senses_gravity
-        table = ResourceTable(declarations.resources, self.robot, complaints, senses_gravity=senses_gravity)
+        table = ResourceTable(
+            declarations.resources,
+            self.robot,
+            complaints,
+            senses_gravity=declarations.senses_gravity,
+            unread=declarations.unread,
+            other_hand=hand_for_floating(declarations),
+        )
         self._checker = Checker(table, definitions, declarations.parameters, complaints)
 
     def _robot(self) -> Robot | None:
@@ -216,7 +223,7 @@ class _ProgramCheck:
         if name is None or name.text in known:
             return True
         self._complaints.about(path)
-        hint = known_names_hint(name.text, known, f"{what}s")
+        hint = (file_hint(name.text) if what == "object" else None) or known_names_hint(name.text, known, f"{what}s")
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 

@@ -38,14 +38,24 @@ class _Meant:
 class ResourceTable:
     """The resources that a spec declares over a robot's contacts.
 
-    Each declaration is resolved once and its faults are reported there; what is made of a faulty one is passed over in
-    silence.
+    Each declaration is resolved once and its faults are reported there; what is made of a faulty one, or of one that
+    is ``unread``, is passed over in silence. ``other_hand`` is the way out of a contact that the hand has not.
     """
 
-    def __init__(self, entries: Sequence[Entry], robot: Robot, complaints: Complaints, *, senses_gravity: bool) -> None:
+    def __init__(
+        self,
+        entries: Sequence[Entry],
+        robot: Robot,
+        complaints: Complaints,
+        *,
+        senses_gravity: bool,
+        unread: Sequence[str] = (),
+        other_hand: str | None = None,
+    ) -> None:
         self._robot, self._complaints, self._senses_gravity = robot, complaints, senses_gravity
+        self._other_hand = other_hand
         self._declared: dict[str, _Declared] = {}
-        self._meant: dict[str, _Meant | None] = {}
+        self._meant: dict[str, _Meant | None] = dict.fromkeys(unread)
         self._open: list[str] = []
         for entry in entries:
             complaints.about(entry.path)
@@ -86,7 +96,8 @@ class ResourceTable:
             "unknown-contact",
             f"the hand {self._robot.hand.hand} has no contact and no joint set {entry.value.text!r}",
             whole(entry.value),
-            known_names_hint(entry.value.text, [*contacts, *self._robot.joint_sets], "contacts and joint sets"),
+            self._other_hand
+            or known_names_hint(entry.value.text, [*contacts, *self._robot.joint_sets], "contacts and joint sets"),
         )
         return None
 
@@ -167,7 +178,25 @@ class ResourceTable:
             )
             return None
         members = self._each(tree.members)
-        return None if members is None else _Meant(members, is_set=True)
+        if members is None:
+            return None
+        self._warn_of_shared(tree.members, members)
+        return _Meant(members, is_set=True)
+
+    def _warn_of_shared(self, trees: Sequence[Resource], members: Sequence[ContactResource]) -> None:
+        """Warn of a contact in two members of a set: its force would be set against itself."""
+        owners: dict[int, str] = {}
+        for tree, member in zip(trees, members, strict=True):
+            for contact in [contact for contact, _ in member.weights if contact < len(self._robot.contacts)]:
+                if contact in owners:
+                    name = self._robot.contacts[contact]
+                    self._complaints.warning(
+                        "contact-twice",
+                        f"{name} is in {owners[contact]} and in {member.label}: it opposes itself",
+                        tree.span,
+                        "let each contact be in one member of a set",
+                    )
+                owners[contact] = member.label
 
     def _named(self, name: Name) -> _Meant | None:
         if name.text == GRAVITY:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.diagnostics import known_names_hint
+from graspdsl.compiler.declarations import Declarations
+from graspdsl.diagnostics import known_names_hint, listed
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
 from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.constructing import Path
@@ -43,6 +44,28 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
         if beyond:
             message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
             complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
+
+
+def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Warn of several trials that are asked for and in which nothing differs; where contacts float, they do."""
+    path: Path = ("trials", "count")
+    trials, asked = spec.trials, _value(document, path) is not None
+    differ = WORLDS[spec.scene.world].floats or trials.grid is not None or not trials.start.is_fixed
+    if asked and trials.count > 1 and not differ and spec.scene.sensor.is_perfect:
+        complaints.about(path)
+        message = f"nothing is drawn at random: all {trials.count} trials are equal"
+        hint = "write count: 1, or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
+        complaints.warning("equal-trials", message, document.key_span(path), hint)
+
+
+def hand_for_floating(scene: Declarations) -> str | None:
+    """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
+    world = WORLDS.get(scene.world.text)
+    if scene.names_hand or world is None or not world.floats:
+        return None
+    bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
+    ways = listed((f"'hand: {name}' with {known[0]} to {known[-1]}" for name, known in bare.items()), "or")
+    return f"the scene names no hand, which means {scene.hand.text}; for bare contacts add {ways}"
 
 
 class _Check:

@@ -177,3 +177,4 @@ def _parsed(name: str, stream: io.BytesIO | io.StringIO, kind: str) -> Trimesh:
 
 
 _READERS: dict[str, Callable[[str, bytes], Trimesh]] = {".stl": _stl, ".obj": _obj}
+SUFFIXES = tuple(_READERS)

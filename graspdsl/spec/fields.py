@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
@@ -18,6 +18,8 @@ class Model(BaseModel):
     """A frozen record of the spec that refuses unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    meant_by: ClassVar[Mapping[str, str]] = {}  # the hint of an unknown key that says what a known one is about
 
 
 @dataclass(frozen=True, slots=True)

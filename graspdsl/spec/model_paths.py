@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from graspdsl.spec.constructing import Path
-from graspdsl.spec.fields import Unit
+from graspdsl.spec.fields import Model, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +24,11 @@ class Slot:
     def fields(self) -> dict[str, FieldInfo]:
         """The fields that may stand here, by the keys they have in a file."""
         return {field.alias or name: field for model in self.models for name, field in model.model_fields.items()}
+
+    def meant_by(self, key: str) -> str | None:
+        """The hint for a key that none of the models has, where one of them knows what is meant by it."""
+        hints = (model.meant_by.get(key) for model in self.models if issubclass(model, Model))
+        return next((hint for hint in hints if hint is not None), None)
 
 
 def slot(model: type[BaseModel], path: Path) -> Slot:

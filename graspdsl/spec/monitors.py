@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, WithJsonSchema, model_validator
 
@@ -56,11 +56,23 @@ Window = Annotated[
     forms("{window: 6.0, probes: 15, least: 0.02}, on (the default) or off", _progress_form),
 ]
 TIMES = ("palm", "link", "table", "lost", "joint_limit")
+OUTCOMES = {
+    "palm-collision": "palm",
+    "link-collision": "link",
+    "table-contact": "table",
+    "contact-lost": "lost",
+    "joint-limit": "joint_limit",
+    "toppled": "lean",
+    "diverged": "shift",
+    "local-minimum": "progress",
+}
 OF_A_FREE_OBJECT = ("palm", "link", "lean", "shift", "dragged")
 
 
 class MonitorBounds(Model):
     """The monitors. A time is how long something may last: 0, or stop, ends the trial at once; off never does."""
+
+    meant_by: ClassVar = {outcome: f"the monitor of {outcome} is {name}" for outcome, name in OUTCOMES.items()}
 
     palm: Patience = Field(
         default=AT_ONCE, description="the palm touches the object, for this time (s): palm-collision"

@@ -17,7 +17,7 @@ class Until(Model):
         default=None, gt=0.0, le=100.0, description="the norm of the net unit force (1) is below this"
     )
     moment_residual: Metres | None = Field(
-        default=None, gt=0.0, le=100.0, description="the norm of the net moment of unit forces (m) is below this"
+        default=None, gt=0.0, le=0.5, description="the norm of the net moment of unit forces (m) is below this"
     )
     force_error: Annotated[Number, Unit("N")] | None = Field(
         default=None, gt=0.0, le=1000.0, description="every contact force is within this (N) of its reference"

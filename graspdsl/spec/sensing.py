@@ -46,6 +46,11 @@ class TactileSensor(Model):
     touch: Touch = Field(default=Touch(), description="when a contact counts as touching")
 
     @property
+    def is_perfect(self) -> bool:
+        """Whether what is sensed is true, however late it comes."""
+        return True
+
+    @property
     def tare_time(self) -> float:
         """How long [s] the hand rests at the start of a trial while the sensor's zero is taken."""
         return 0.0

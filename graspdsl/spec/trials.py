@@ -35,6 +35,12 @@ class Start(Model):
         default={}, description="joints (rad or m) of the hand that start elsewhere than in its open posture"
     )
 
+    @property
+    def is_fixed(self) -> bool:
+        """Whether every draw is the same: all numbers are given."""
+        places = (self.roll, self.height, self.standoff, self.yaw, self.offset, self.tilt, *self.posture.values())
+        return all(isinstance(place, int | float) for place in places)
+
 
 class GridAxis(Model):
     """One axis of a grid of starts: the number of a start that it stands for, at the middles of equal cells."""

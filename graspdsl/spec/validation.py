@@ -37,6 +37,7 @@ _BOUNDS = {
     "less_than": ("lt", "below"),
     "less_than_equal": ("le", "of at most"),
 }
+_UNIT_HINTS = {"m": "lengths are in metres", "rad": "angles are in radians"}
 _LENGTHS = {
     "too_short": ("min_length", "at least"),
     "too_long": ("max_length", "at most"),
@@ -109,6 +110,7 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
         key, words = _BOUNDS[kind]
         code = "out-of-range"
         message = f"expected a number {words} {as_yaml(context[key])}{unit}, found {as_yaml(value)}"
+        hint = _UNIT_HINTS.get(here.unit or "")
     elif kind in _LENGTHS:
         key, words = _LENGTHS[kind]
         what = "character" if kind.startswith("string") else "item"
@@ -154,7 +156,7 @@ def _example(examples: list[Any] | None) -> str:
 
 def _unknown_key(path: Path, document: Document, around: Slot) -> Diagnostic:
     key = str(path[-1])
-    hint = known_names_hint(key, around.fields(), "keys here")
+    hint = around.meant_by(key.replace("_", "-")) or known_names_hint(key, around.fields(), "keys here")
     message = f"{_owner(path[:-1])} has no key {shortened(key)!r}"
     return Diagnostic("unknown-key", message, document.key_span(path), hint)
 
@@ -163,7 +165,10 @@ def _type_fault(found: Diagnostic, expected: str, value: object, path: Path, doc
     """Adds the way out that fits: quotes around a formula, or a number without its quotes."""
     code, message, hint = found.code, found.message, found.hint
     source = document.source(path)
-    if expected == "text" and isinstance(value, dict | list) and document.is_flow(path) and source:
+    file = value.get("file") if isinstance(value, dict) else None
+    if expected == "text" and isinstance(file, str):
+        hint = f"write {path[-1]}: {shortened(file)}"
+    elif expected == "text" and isinstance(value, dict | list) and document.is_flow(path) and source:
         what = "mapping" if isinstance(value, dict) else "list"
         code = "unquoted-text"
         message = f"expected text, but without quotes YAML reads this as a {what}"

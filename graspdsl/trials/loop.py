@@ -16,7 +16,7 @@ from graspdsl.trials.monitors import Monitors, window_of
 from graspdsl.trials.outcomes import Outcome, Verdict
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
-from graspdsl.trials.starts import draws, generator, is_fixed
+from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.protocol import (
     InfeasibleStartError,
     Observation,
@@ -105,7 +105,7 @@ class TrialLoop:
         floats = self._program.world.floats
         wanted = self._program.spec.trials.start_of(number)
         starts = draws(wanted, self._program.body, surface, random, floats=floats)
-        most = 1 if is_fixed(wanted) else self._most_draws
+        most = 1 if wanted.is_fixed else self._most_draws
         reasons, beyond = Counter[str](), 0
         start = next(starts)
         for redraws in range(most):

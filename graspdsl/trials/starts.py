@@ -72,12 +72,6 @@ def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: fl
     return Start(position, rotation, drawn)
 
 
-def is_fixed(start: StartSpec) -> bool:
-    """Whether every draw is the same: all numbers of the start are given."""
-    places = [getattr(start, name) for name in (*ORIENTATION, *PLACEMENT)] + list(start.posture.values())
-    return all(isinstance(place, int | float) for place in places)
-
-
 def _value(distribution: float | Uniform | Normal | Choice, random: np.random.Generator) -> float:
     match distribution:
         case Uniform(uniform=(low, high)):

@@ -60,9 +60,14 @@ TOWEL_ROLL = "world: bullet, hand: barrett, object: towel-roll"
 SCENE = (
     Case("a start posture of a joint that is not there", spec(start="posture: {spred-1: 1.0}")),
     Case("a start posture beyond a limit", spec(start="posture: {spread-1: {uniform: [1.0, 4.0]}}")),
+    Case("trials that are all equal", spec().replace("program:", "trials: {count: 4, start: {roll: 0.3}}\nprogram:")),
+    Case("trials that are all equal, on the command line", spec(start="roll: 0.3"), ("trials.count=8",)),
     Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
     Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
+    Case("a file of triangles by its name alone", spec(scene="world: bullet, object: parts/part.STL")),
+    Case("a URDF file by its name alone", spec(scene="world: bullet, object: {like: part.urdf, mass: 1.0}")),
+    Case("a URDF file given as a mesh is", spec(scene="world: bullet, object: {urdf: {file: part.urdf}}")),
 )
 WORLDS = (
     _floating("load cells in the floating world", scene="object: ball, sensing: load-cell"),
@@ -116,6 +121,7 @@ WORLDS = (
         "monitors of a held ball",
         spec(scene="world: bullet, object: {like: ball, held: true}", monitors="lean: 0.2, table: stop, palm: on"),
     ),
+    Case("monitors by their outcomes", spec(monitors="palm-collision: off, joint-limit: 1, toppled: 0.2, timeout: 9")),
     Case("monitors that are not understood", spec(monitors="palm: never, lean: stop, lots: 1, progress: {window: 0}")),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
 )
@@ -198,6 +204,14 @@ RESOURCES = (
     _formula("joints for one parameter, contacts for the other", "π_s|Γ flexion (π_gx|Γ Γ)"),
     _formula("gravity where it is not sensed", "π_s|Γ Γ (φ_fr|τ_frx(Γ) σ_fr({γ1, γ_g}))"),
     _resource("a contact that the hand has not", "γ3", "finger-4"),
+    Case(
+        "contacts that float, and no hand",
+        spec("π_gx|Γ Γ", scene="world: floating, object: ball", resources={"γ1": "contact-1"}),
+    ),
+    _resource("a contact in two members of a set", "γ2", "finger-3"),
+    _formula("a contact beside a virtual contact of it", "π_close|{γ1, <γ1, γ2>} {γ1, <γ1, γ2>}"),
+    _resource("a set without its quotes", "Γ", "{γ1, <γ2, γ3>}"),
+    _resource("a resource that is no text", "γ2", "2"),
     _resource("gravity declared", "γ_g", "finger-1"),
     _resource("a name in two spellings", "gamma_2", "finger-2"),
     _resource("a text that cannot be read", "Γ", '"{γ1, <γ2, γ3}"'),

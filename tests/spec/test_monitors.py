@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import pytest
 
+from graspdsl.diagnostics import DiagnosticError
 from graspdsl.spec import Spec, load_spec_text
-from graspdsl.spec.monitors import AT_ONCE, OFF, TIMES, MonitorBounds
+from graspdsl.spec.monitors import AT_ONCE, OFF, OUTCOMES, TIMES, MonitorBounds
 
 LINES = tuple(MonitorBounds.model_fields)
+SPELLINGS = [
+    (written, outcome)
+    for outcome in OUTCOMES
+    for written in sorted({outcome, outcome.replace("-", "_")})
+    if written not in LINES
+]
 
 
 def monitors(good: str, *lines: str) -> MonitorBounds:
@@ -26,6 +33,16 @@ def test_every_line_has_a_default_with_its_unit() -> None:
             or "(m)" in field.description
             or "(rad)" in field.description
         )
+
+
+@pytest.mark.parametrize(("written", "outcome"), SPELLINGS)
+def test_an_outcome_in_place_of_its_monitor_names_the_monitor(good: str, written: str, outcome: str) -> None:
+    name = OUTCOMES[outcome]
+    with pytest.raises(DiagnosticError) as caught:
+        monitors(good, f"{written}: off")
+    [found] = caught.value.diagnostics
+    assert (found.code, found.hint) == ("unknown-key", f"the monitor of {outcome} is {name}")
+    assert f": {outcome}" in str(MonitorBounds.model_fields[name].description)
 
 
 @pytest.mark.parametrize("name", LINES)

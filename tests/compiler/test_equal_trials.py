@@ -1,0 +1,51 @@
+"""Several trials are warned of where nothing tells one from another, and only there."""
+
+from __future__ import annotations
+
+import pytest
+
+from graspdsl.compiler.program import examine
+
+from .specs import FLOATING, POINTS, RESOURCES, spec
+
+BULLET = "world: bullet, object: ball"
+NOISY = "sensing: {load-cell: {force_noise: 0.01}}"
+GRID = "grid: [{parameter: roll, low: -1.0, high: 1.0, cells: 4}]"
+
+
+def codes(trials: str, scene: str = BULLET, *overrides: str) -> list[str]:
+    """What is said of a spec with these trials."""
+    resources = {**RESOURCES, **(POINTS if FLOATING in scene else {})}
+    formula = "π_gx|Γ Γ" if FLOATING in scene else "π_s|Γ Γ (π_gx|Γ Γ)"
+    text = spec(formula, scene=scene, resources=resources).replace("program:", f"trials: {{{trials}}}\nprogram:")
+    return [diagnostic.code for diagnostic in examine(text, "spec.yaml", overrides).diagnostics]
+
+
+@pytest.mark.parametrize(
+    "sensing", ["", ", sensing: exact", ", sensing: skin", ", sensing: {load-cell: {latency: 0.02}}"]
+)
+def test_equal_trials_are_warned_of(sensing: str) -> None:
+    assert codes("count: 2", BULLET + sensing) == ["equal-trials"]
+    assert codes("count: 2, start: {posture: {spread-1: 0.5}}", BULLET + sensing) == ["equal-trials"]
+
+
+@pytest.mark.parametrize(
+    ("trials", "scene"),
+    [
+        ("count: 1", BULLET),
+        ("start: {roll: 0.3}", BULLET),
+        ("count: 2, start: {roll: {uniform: [-1, 1]}}", BULLET),
+        ("count: 2, start: {posture: {spread-1: {choice: [0.2, 0.4]}}}", BULLET),
+        (f"count: 2, {GRID}", BULLET),
+        ("count: 2", f"{BULLET}, {NOISY}"),
+        ("count: 2", f"{FLOATING}, object: ball"),
+    ],
+)
+def test_trials_that_differ_or_were_not_asked_for_are_not(trials: str, scene: str) -> None:
+    assert codes(trials, scene) == []
+
+
+def test_the_last_word_counts() -> None:
+    assert codes("count: 2", BULLET, "trials.count=1") == []
+    assert codes("count: 2", BULLET, "trials.start.roll={uniform: [-1, 1]}") == []
+    assert codes("count: 1", BULLET, "trials.count=3") == ["equal-trials"]
