@@ -16,7 +16,7 @@ from stored_runs import stored_run
 
 from graspdsl.trials.replay import Replay, frame
 from graspdsl.trials.store import RunFolder
-from graspdsl.worlds.bullet.replay import GraspStudio
+from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 
 from .program import ROOT, SPEC, graspdsl
 
@@ -72,6 +72,22 @@ def test_a_frame_is_a_picture_or_nothing(folder: RunFolder, tmp_path: Path) -> N
 
 def test_floating_contacts_have_a_frame_too(tmp_path: Path) -> None:
     assert frame(stored_run(tmp_path / "floating", FLOATING, "trials.count=1"), 0) is not None
+
+
+def test_of_floating_contacts_those_of_the_grasp_are_drawn(tmp_path: Path) -> None:
+    """Three of the eight that there are, though all of them lie on the object."""
+    with Replay(stored_run(tmp_path / "floating", FLOATING, "trials.count=1"), 0) as replay:
+        last = replay.ticks - 1
+        assert replay.rows["touching"][last].sum() == 8
+        assert isinstance(replay.studio, SurfaceStudio)
+        engine, client = replay.studio.engine, replay.studio.client
+        bodies = [engine.getBodyUniqueId(row, client) for row in range(engine.getNumBodies(client))]
+        places = [engine.getBasePositionAndOrientation(body, client)[0] for body in bodies[1:]]  # but for the object
+        np.testing.assert_allclose(places, replay.rows["points"][last, :3], atol=1e-6)
+        starts = [arrow.start for arrow in replay.arrows(last)]
+        used = replay.camera.pixels(replay.rows["points"][last, :3].astype(float))
+        assert len(starts) == 6
+        np.testing.assert_allclose(starts, np.repeat(used, 2, axis=0))
 
 
 def test_pictures_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
