@@ -13,6 +13,7 @@ import numpy as np
 
 from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import complain, printable, result, say
+from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
 from graspdsl.diagnostics import Diagnostic, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -30,6 +31,7 @@ from graspdsl.worlds.protocol import GRAVITY
 SIZE = (640, 480)
 PICTURES = 6  # of a trial
 FILM_RATE = 10  # pictures a second
+FILM_OVERSAMPLING = 1  # of pictures that move, where rough edges are hardly seen
 MOUNT = "gantry"
 
 
@@ -131,11 +133,14 @@ def _film(place: Path, replay: Replay) -> None:
     ends = np.arange(0.0, float(replay.rows["time"][-1]), 1.0 / FILM_RATE)
     ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
     draft = _draft(place)
+    say(f"a film of {len(ticks)} pictures → {place}")
     try:
         film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
         film.send(None)
-        for tick in ticks:
-            film.send(np.asarray(replay.picture(int(tick)).convert("RGB").resize(SIZE)).tobytes())
+        with Progress(len(ticks)) as progress:
+            for tick in ticks:
+                film.send(np.asarray(replay.picture(int(tick), FILM_OVERSAMPLING)).tobytes())
+                progress.step()
         film.close()
         draft.replace(place)
     except OSError as error:  # what ffmpeg itself has to say goes on for pages

@@ -20,7 +20,7 @@ from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
 from graspdsl.trials.trajectories import Layout, Rows
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
-from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera
+from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Start
@@ -73,10 +73,10 @@ class Replay:
         else:
             self.studio.show(at["points"][self._drawn])
 
-    def picture(self, tick: int) -> Image:
+    def picture(self, tick: int, oversampling: int = OVERSAMPLING) -> Image:
         """What a tick looked like, with contact normals and forces on the object and a caption."""
         self.show(tick)
-        return annotated(self.studio.picture(self.camera), self.arrows(tick), self.caption(tick))
+        return annotated(self.studio.picture(self.camera, oversampling), self.arrows(tick), self.caption(tick))
 
     def arrows(self, tick: int) -> list[Arrow]:
         """The normals into the object and the forces on it where contacts touch; of floating ones, the grasp's."""

@@ -103,9 +103,12 @@ def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     film = tmp_path / "trial.mp4"
     done = graspdsl("view", folder.path, "--video", film, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if "█" in line]
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(film))
     assert frames == pytest.approx(10 * float(folder.trajectory(0)["time"][-1]), abs=2)
     assert seconds == pytest.approx(frames / 10, abs=0.2)
+    assert 1 < len(told) <= 20
+    assert f" {frames}/{frames}  " in told[-1]
     assert [file.name for file in tmp_path.iterdir()] == ["trial.mp4"]
 
 
