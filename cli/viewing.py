@@ -18,15 +18,17 @@ from graspdsl.cli.running import opened
 from graspdsl.diagnostics import Diagnostic, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
-from graspdsl.objects.shapes import catalogue
+from graspdsl.objects.bodies import body_in
+from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.report.writing import replace
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import SpecFolder
+from graspdsl.spec.scene import InlineObject, Mesh
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
 from graspdsl.worlds.bullet.world import TABLE_FRICTION
-from graspdsl.worlds.protocol import GRAVITY
+from graspdsl.worlds.protocol import GRAVITY, UnstableObjectError
 
 SIZE = (640, 480)
 PICTURES = 6  # of a trial
@@ -56,17 +58,24 @@ def view_trial(run: Path, number: int, images: Path | None, video: Path | None, 
 
 
 def view_object(name: str, images: Path | None) -> None:
-    """An object as it stands on the table."""
+    """An object of the catalogue or of a file, as it stands on the table."""
     known = catalogue()
-    if name not in known:
+    if name not in known and not Path(name).suffix:
         raise InputError(name, "", [Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))])
+    body = known[name] if name in known else _object_of_file(name)
     if images is None:
         _needs_display(name)
-    with ObjectStudio(known[name], TABLE_FRICTION, GRAVITY, window=images is None) as studio:
+    try:
+        studio = ObjectStudio(body, TABLE_FRICTION, GRAVITY, window=images is None)
+    except UnstableObjectError as error:
+        hint = "turn it in its file; in a spec it can also be held or fixed"
+        raise InputError(name, "", [Diagnostic("unstable-object", str(error), hint=hint)]) from None
+    with studio:
         if images is None:
             _stay(studio)
         else:
-            _write(images, {f"{name}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [name]))})
+            shown = body.name
+            _write(images, {f"{shown}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [shown]))})
 
 
 def view_hand(name: str, images: Path | None) -> None:
@@ -90,6 +99,21 @@ def view_hand(name: str, images: Path | None) -> None:
             studio.show(joints)
             pictures[f"{name}-{posture}.png"] = png(annotated(studio.picture(camera), [], [f"{name}, {posture}"]))
         _write(images, pictures)
+
+
+def _object_of_file(name: str) -> Body:
+    """The object in a mesh or URDF file, as of a spec that names it by its absolute path."""
+    if not os.path.exists(name):
+        raise InputError(name, "", [Diagnostic("file-not-found", "there is no such file")])
+    place = os.path.realpath(name)
+    fields = {"urdf": place} if Path(name).suffix.lower() == ".urdf" else {"mesh": Mesh.model_construct(file=place)}
+    odd: list[Diagnostic] = []
+    with reading(name):
+        # Not validated: what is there may have a longer path than a spec can write.
+        chosen = InlineObject.model_construct(name=Path(name).stem, **fields)
+        body = body_in(SpecFolder(Path(place).parent), chosen, odd.append)
+    complain(name, "", odd)
+    return body
 
 
 def _hand_of_catalogue(name: str) -> Robot:

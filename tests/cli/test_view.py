@@ -10,7 +10,9 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+import trimesh
 from hands.models import URDF, changed, write
+from objects import parts
 from PIL import Image
 from stored_runs import stored_run
 
@@ -153,6 +155,54 @@ def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: P
     done = graspdsl("view", *words, "--images", tmp_path / "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert sorted(file.name for file in (tmp_path / "seen").iterdir()) == names
+
+
+def test_objects_of_files(tmp_path: Path) -> None:
+    """A mesh, and a URDF whose mesh is in another folder, each seen in full and called after its file."""
+    for folder in ("meshes", "urdf"):
+        (tmp_path / folder).mkdir()
+    parts.write(trimesh.creation.box((0.05, 0.05, 0.05)), tmp_path / "meshes" / "shade.stl")
+    parts.write(parts.cylinder(), tmp_path / "part.OBJ")
+    (tmp_path / "urdf" / "lamp.urdf").write_text(
+        '<robot name="lamp"><link name="foot"><collision><geometry><mesh filename="../meshes/shade.stl"/></geometry>'
+        "</collision></link></robot>"
+    )
+    for file, name in (("part.OBJ", "part"), ("meshes/shade.stl", "shade"), ("urdf/lamp.urdf", "lamp")):
+        done = graspdsl("view", "--object", file, "--images", "seen", cwd=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr) == (0, f"seen/{name}.png\n", "")
+        assert len(np.unique(np.asarray(Image.open(tmp_path / "seen" / f"{name}.png").convert("L")))) > 20
+    shade, lamp = (Image.open(tmp_path / "seen" / f"{name}.png").crop((0, 0, 640, 400)) for name in ("shade", "lamp"))
+    assert np.abs(np.asarray(shade, dtype=float) - np.asarray(lamp, dtype=float)).mean() < 1.0
+
+
+def test_what_is_odd_about_the_file_of_an_object_is_said(tmp_path: Path) -> None:
+    parts.write(parts.without(parts.cylinder(), 5), tmp_path / "part.stl")
+    done = graspdsl("view", "--object", "part.stl", "--images", "seen", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr.startswith("part.stl: warning[mesh-not-watertight]: ")
+
+
+def test_files_that_hold_no_object_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder.stl").mkdir()
+    (tmp_path / "empty.stl").touch()
+    (tmp_path / "part.step").write_text("ISO-10303-21;")
+    (tmp_path / "part.urdf").write_text("<robot><link/></robot>")
+    parts.write(trimesh.creation.cone(0.04, 0.1).apply_transform(np.diag([1.0, -1.0, -1.0, 1.0])), tmp_path / "tip.stl")
+    for name, code in (
+        ("missing.stl", "file-not-found"),
+        (f"{'x' * 300}.stl", "file-not-found"),
+        ("missing/part.urdf", "file-not-found"),
+        ("folder.stl", "is-a-directory"),
+        ("empty.stl", "empty-mesh"),
+        ("part.step", "unknown-mesh-format"),
+        ("part.urdf", "bad-urdf"),
+        ("tip.stl", "unstable-object"),
+    ):
+        done = graspdsl("view", "--object", name, "--images", "seen", cwd=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr.count("error[")) == (1, "", 1)
+        assert done.stderr.startswith(f"{name}: error[{code}]: ")
+        assert "spec" not in done.stderr or code == "unstable-object"
+        assert not (tmp_path / "seen").exists()
 
 
 def test_what_cannot_be_seen_is_said(folder: RunFolder, tmp_path: Path) -> None:
