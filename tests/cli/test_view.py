@@ -139,7 +139,7 @@ def test_what_is_doubtful_about_a_hand_is_said(tmp_path: Path) -> None:
     write(tmp_path, drawn)
     done = graspdsl("view", "--hand", "hand.yaml", "--images", "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.count("warning[undrawn-mesh]") == 1
+    assert done.stderr.count("warning[undrawn]") == 1
     assert "hand.yaml:2" in done.stderr
 
 
