@@ -25,7 +25,7 @@ from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.spec.scene import InlineObject, Mesh
 from graspdsl.trials.replay import Replay, evenly
-from graspdsl.worlds.annotations import annotated, png
+from graspdsl.worlds.annotations import Label, annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
 from graspdsl.worlds.bullet.world import TABLE_FRICTION
 from graspdsl.worlds.protocol import GRAVITY, UnstableObjectError
@@ -97,7 +97,10 @@ def view_hand(name: str, images: Path | None) -> None:
         pictures = {}
         for posture, joints in postures.items():
             studio.show(joints)
-            pictures[f"{name}-{posture}.png"] = png(annotated(studio.picture(camera), [], [f"{name}, {posture}"]))
+            tips = camera.pixels(studio.tips())
+            labels = [Label(tip, contact) for tip, contact in zip(tips, shown.contacts, strict=True)]
+            drawn = annotated(studio.picture(camera), [], [f"{name}, {posture}"], labels)
+            pictures[f"{name}-{posture}.png"] = png(drawn)
         _write(images, pictures)
 
 

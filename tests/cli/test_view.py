@@ -16,9 +16,11 @@ from objects import parts
 from PIL import Image
 from stored_runs import stored_run
 
+from graspdsl.hands.descriptions import robot
 from graspdsl.trials.replay import Replay, frame
 from graspdsl.trials.store import RunFolder
-from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
+from graspdsl.worlds.annotations import INK
+from graspdsl.worlds.bullet.replay import GraspStudio, HandStudio, SurfaceStudio
 
 from .program import ROOT, SPEC, graspdsl
 
@@ -155,6 +157,28 @@ def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: P
     done = graspdsl("view", *words, "--images", tmp_path / "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert sorted(file.name for file in (tmp_path / "seen").iterdir()) == names
+
+
+@pytest.mark.parametrize("name", ["barrett", "trio"])
+def test_the_contacts_of_a_hand_are_marked_at_its_fingertips(name: str, tmp_path: Path) -> None:
+    """The engine's box about the sphere that a fingertip is has the same middle."""
+    done = graspdsl("view", "--hand", name, "--images", "seen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    shown = robot(name, "gantry")
+    postures = {
+        posture: np.array([shown.hand.postures[posture].get(joint, 0.0) for joint in shown.joints])
+        for posture in ("open", "closed")
+    }
+    with HandStudio(shown) as studio:
+        camera = studio.camera(list(postures.values()), 640, 480)
+        for posture, joints in postures.items():
+            studio.show(joints)
+            tips = studio.tips()
+            boxes = [studio.engine.getAABB(studio.hand.body, tip.link, studio.client) for tip in studio.hand.tips]
+            np.testing.assert_allclose(tips, np.mean(boxes, axis=1), atol=1e-6)
+            picture = np.asarray(Image.open(tmp_path / "seen" / f"{name}-{posture}.png").convert("RGB"))
+            marks = [picture[round(y), round(x)] for x, y in camera.pixels(tips)]
+            assert (np.array(marks) == INK).all()
 
 
 def test_objects_of_files(tmp_path: Path) -> None:

@@ -126,6 +126,11 @@ class HandStudio(Studio):
         """Put the joints (n,) [m or rad]."""
         self.hand.place(joints)
 
+    def tips(self) -> Array:
+        """The middles (k, 3) [m] of the fingertips as they stand, in the order of the robot's contacts."""
+        frames = zip(self.hand.tips, self.hand.tip_frames(), strict=True)
+        return np.array([origin + rotation @ tip.centre for tip, (origin, rotation) in frames])
+
     def camera(self, postures: Sequence[Array], width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows the hand in each of these postures (n,)."""
         corners = []
