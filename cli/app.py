@@ -255,7 +255,12 @@ def experiments(
 def view(
     run: Annotated[Path | None, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")] = None,
     trial: Annotated[int | None, typer.Option(min=0, help="Which trial of it; by default 0.")] = None,
-    thing: Annotated[str | None, typer.Option("--object", metavar="NAME", help="An object of the catalogue.")] = None,
+    thing: Annotated[
+        str | None,
+        typer.Option(
+            "--object", metavar="NAME|FILE", help="An object of the catalogue, or a file of one (STL, OBJ, URDF)."
+        ),
+    ] = None,
     hand: Annotated[
         str | None, typer.Option(metavar="NAME|FILE", help="A hand of the catalogue, or a hand file (YAML).")
     ] = None,

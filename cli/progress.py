@@ -1,4 +1,4 @@
-"""How far a run is: a bar on a terminal, now and then a line elsewhere; always on stderr."""
+"""How far something long is: a bar on a terminal, now and then a line elsewhere; always on stderr."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
+from typing import Self
 
 from graspdsl.cli.messages import say, write
 from graspdsl.trials.record import Trial, TrialRecord
@@ -16,16 +17,15 @@ LINES = 10  # in all, where there is no terminal
 
 
 class Progress:
-    """Trials done, outcomes so far and time left."""
+    """Steps done, of so many, and time left. To be used in a ``with``."""
 
-    def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
-        self._asked, self._before = asked, len(finished)
-        self._outcomes = Counter(record.outcome.value for record in finished)
+    def __init__(self, asked: int, finished: int = 0) -> None:
+        self._asked, self._before, self._done = asked, finished, finished
         self._began = time.monotonic()
         self._live = sys.stderr.isatty()
         self._every = max(1, asked // LINES)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         if self._done < self._asked:
             self._draw()
         return self
@@ -34,13 +34,9 @@ class Progress:
         if self._live and self._before < self._asked:
             write(sys.stderr, "\n")
 
-    @property
-    def _done(self) -> int:
-        return self._outcomes.total()
-
-    def advance(self, trial: Trial) -> None:
-        """One more trial is finished."""
-        self._outcomes[trial.record.outcome.value] += 1
+    def step(self) -> None:
+        """One more is done."""
+        self._done += 1
         if self._live:
             self._draw()
         elif self._done % self._every == 0 or self._done == self._asked:
@@ -54,14 +50,32 @@ class Progress:
     def _line(self) -> str:
         filled = BAR * self._done // self._asked
         bar = "█" * filled + "░" * (BAR - filled)
-        outcomes = ", ".join(f"{count} {name}" for name, count in self._outcomes.most_common())
-        return "  ".join(part for part in (f"{bar} {self._done}/{self._asked}", self._time(), outcomes) if part)
+        return "  ".join(part for part in (f"{bar} {self._done}/{self._asked}", self._time(), self._note()) if part)
+
+    def _note(self) -> str:
+        return ""
 
     def _time(self) -> str:
         spent, newly = time.monotonic() - self._began, self._done - self._before
         if self._done == self._asked:
             return f"{_duration(spent)}"
         return f"{_duration(spent / newly * (self._asked - self._done))} left" if newly else ""
+
+
+class TrialProgress(Progress):
+    """Trials done, outcomes so far and time left."""
+
+    def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
+        super().__init__(asked, len(finished))
+        self._outcomes = Counter(record.outcome.value for record in finished)
+
+    def advance(self, trial: Trial) -> None:
+        """One more trial is finished."""
+        self._outcomes[trial.record.outcome.value] += 1
+        self.step()
+
+    def _note(self) -> str:
+        return ", ".join(f"{count} {name}" for name, count in self._outcomes.most_common())
 
 
 def _duration(seconds: float) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import INTERRUPTED, complain, result, result_json, say
-from graspdsl.cli.progress import Progress
+from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
@@ -72,7 +72,7 @@ def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -
         state = f", {len(finished)} finished before" if finished else ""
         say(f"{manifest.name}: {what}{state} → {folder.path}")
         try:
-            with Progress(manifest.asked, finished) as progress:
+            with TrialProgress(manifest.asked, finished) as progress:
                 execute(folder, workers, progress.advance)
         except KeyboardInterrupt:
             say(f"interrupted; {_kept(command)}")

@@ -13,23 +13,27 @@ import numpy as np
 
 from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import complain, printable, result, say
+from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
 from graspdsl.diagnostics import Diagnostic, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
-from graspdsl.objects.shapes import catalogue
+from graspdsl.objects.bodies import body_in
+from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.report.writing import replace
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import SpecFolder
+from graspdsl.spec.scene import InlineObject, Mesh
 from graspdsl.trials.replay import Replay, evenly
-from graspdsl.worlds.annotations import annotated, png
+from graspdsl.worlds.annotations import Label, annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
 from graspdsl.worlds.bullet.world import TABLE_FRICTION
-from graspdsl.worlds.protocol import GRAVITY
+from graspdsl.worlds.protocol import GRAVITY, UnstableObjectError
 
 SIZE = (640, 480)
 PICTURES = 6  # of a trial
 FILM_RATE = 10  # pictures a second
+FILM_OVERSAMPLING = 1  # of pictures that move, where rough edges are hardly seen
 MOUNT = "gantry"
 
 
@@ -54,17 +58,24 @@ def view_trial(run: Path, number: int, images: Path | None, video: Path | None, 
 
 
 def view_object(name: str, images: Path | None) -> None:
-    """An object as it stands on the table."""
+    """An object of the catalogue or of a file, as it stands on the table."""
     known = catalogue()
-    if name not in known:
+    if name not in known and not Path(name).suffix:
         raise InputError(name, "", [Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))])
+    body = known[name] if name in known else _object_of_file(name)
     if images is None:
         _needs_display(name)
-    with ObjectStudio(known[name], TABLE_FRICTION, GRAVITY, window=images is None) as studio:
+    try:
+        studio = ObjectStudio(body, TABLE_FRICTION, GRAVITY, window=images is None)
+    except UnstableObjectError as error:
+        hint = "turn it in its file; in a spec it can also be held or fixed"
+        raise InputError(name, "", [Diagnostic("unstable-object", str(error), hint=hint)]) from None
+    with studio:
         if images is None:
             _stay(studio)
         else:
-            _write(images, {f"{name}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [name]))})
+            shown = body.name
+            _write(images, {f"{shown}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [shown]))})
 
 
 def view_hand(name: str, images: Path | None) -> None:
@@ -86,8 +97,26 @@ def view_hand(name: str, images: Path | None) -> None:
         pictures = {}
         for posture, joints in postures.items():
             studio.show(joints)
-            pictures[f"{name}-{posture}.png"] = png(annotated(studio.picture(camera), [], [f"{name}, {posture}"]))
+            tips = camera.pixels(studio.tips())
+            labels = [Label(tip, contact) for tip, contact in zip(tips, shown.contacts, strict=True)]
+            drawn = annotated(studio.picture(camera), [], [f"{name}, {posture}"], labels)
+            pictures[f"{name}-{posture}.png"] = png(drawn)
         _write(images, pictures)
+
+
+def _object_of_file(name: str) -> Body:
+    """The object in a mesh or URDF file, as of a spec that names it by its absolute path."""
+    if not os.path.exists(name):
+        raise InputError(name, "", [Diagnostic("file-not-found", "there is no such file")])
+    place = os.path.realpath(name)
+    fields = {"urdf": place} if Path(name).suffix.lower() == ".urdf" else {"mesh": Mesh.model_construct(file=place)}
+    odd: list[Diagnostic] = []
+    with reading(name):
+        # Not validated: what is there may have a longer path than a spec can write.
+        chosen = InlineObject.model_construct(name=Path(name).stem, **fields)
+        body = body_in(SpecFolder(Path(place).parent), chosen, odd.append)
+    complain(name, "", odd)
+    return body
 
 
 def _hand_of_catalogue(name: str) -> Robot:
@@ -131,11 +160,14 @@ def _film(place: Path, replay: Replay) -> None:
     ends = np.arange(0.0, float(replay.rows["time"][-1]), 1.0 / FILM_RATE)
     ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
     draft = _draft(place)
+    say(f"a film of {len(ticks)} pictures → {place}")
     try:
         film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
         film.send(None)
-        for tick in ticks:
-            film.send(np.asarray(replay.picture(int(tick)).convert("RGB").resize(SIZE)).tobytes())
+        with Progress(len(ticks)) as progress:
+            for tick in ticks:
+                film.send(np.asarray(replay.picture(int(tick), FILM_OVERSAMPLING)).tobytes())
+                progress.step()
         film.close()
         draft.replace(place)
     except OSError as error:  # what ffmpeg itself has to say goes on for pages

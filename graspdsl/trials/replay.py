@@ -20,7 +20,7 @@ from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
 from graspdsl.trials.trajectories import Layout, Rows
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
-from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera
+from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Start
@@ -43,13 +43,14 @@ class Replay:
         self.record = _record(folder, number)
         self.rows = folder.trajectory(number, Layout.of(self._program))
         self._contacts = list(self._program.phases[-1].grasp.contacts)
+        self._drawn = drawn_contacts(self._program)
         _can_be_drawn(self.rows, self._program, number)
         self.scale = force_scale(self.rows["forces"][:, self._contacts])
         world = world_of(self._program)
         if isinstance(world, BulletWorld):
             self.studio: GraspStudio | SurfaceStudio = GraspStudio(world.settings, self._start(), window=window)
         else:
-            self.studio = SurfaceStudio(world.surface, len(world.info.contacts), window=window)
+            self.studio = SurfaceStudio(world.surface, len(self._drawn), window=window)
         self.show(self.ticks - 1)
         self.camera = self._camera(width, height)
 
@@ -70,18 +71,18 @@ class Replay:
         if isinstance(self.studio, GraspStudio):
             self.studio.show(at["joints"], at["object_position"], at["object_rotation"])
         else:
-            self.studio.show(at["points"])
+            self.studio.show(at["points"][self._drawn])
 
-    def picture(self, tick: int) -> Image:
+    def picture(self, tick: int, oversampling: int = OVERSAMPLING) -> Image:
         """What a tick looked like, with contact normals and forces on the object and a caption."""
         self.show(tick)
-        return annotated(self.studio.picture(self.camera), self.arrows(tick), self.caption(tick))
+        return annotated(self.studio.picture(self.camera, oversampling), self.arrows(tick), self.caption(tick))
 
     def arrows(self, tick: int) -> list[Arrow]:
-        """The normals into the object and the forces on it where contacts touch."""
+        """The normals into the object and the forces on it where contacts touch; of floating ones, the grasp's."""
         points, normals, forces = (self.rows[name][tick].astype(float) for name in ("points", "normals", "forces"))
         drawn = []
-        for contact in np.flatnonzero(self.rows["touching"][tick]):
+        for contact in (contact for contact in self._drawn if self.rows["touching"][tick, contact]):
             ends = ((NORMAL_LENGTH * normals[contact], NORMAL, 2.0), (self.scale * forces[contact], FORCE, 4.0))
             for along, colour, width in ends:
                 start, end = self.camera.pixels(np.stack([points[contact], points[contact] + along]))
@@ -116,6 +117,16 @@ class Replay:
         if isinstance(self.studio, GraspStudio):
             return self.studio.camera(self._contacts, width, height)
         return self.studio.camera(width, height)
+
+
+def drawn_contacts(program: Program) -> list[int]:
+    """The numbers of the contacts that pictures show: all that a hand has, of floating ones those that a phase uses.
+
+    A finger that no phase uses may still touch and push; a floating contact that none uses only lies about.
+    """
+    if not program.world.floats:
+        return list(range(len(program.robot.contacts)))
+    return sorted({contact for phase in program.phases for contact in phase.grasp.contacts})
 
 
 def frame(folder: RunFolder, number: int) -> bytes | None:

@@ -93,6 +93,8 @@ class RunFolder:
             manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
         except (DiagnosticError, ValueError) as error:
             hint = "give the folder that 'graspdsl run' made"
+            if _is_missing(path):
+                raise _refused("folder-not-found", "there is no such folder", hint) from error
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
         folder = cls(path, manifest)
         folder.records()
@@ -244,6 +246,16 @@ def fresh_folder(parent: Path, name: str) -> Path:
     except OSError as error:
         reason = (error.strerror or "unknown reason").lower()
         raise _refused("folder-not-writable", f"cannot write to this folder: {reason}", None) from error
+
+
+def _is_missing(path: Path) -> bool:
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return True
+    except (OSError, ValueError):  # something that may not be looked at, or a name that nothing can have
+        return False
+    return False
 
 
 def _refused(code: str, message: str, hint: str | None) -> DiagnosticError:

@@ -58,7 +58,7 @@ def test_no_default_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.parametrize("words", [("run", "--resume"), ("report",)])
-@pytest.mark.parametrize("folder", ["missing", "empty", "file"])
+@pytest.mark.parametrize("folder", ["empty", "file"])
 def test_no_run(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("empty").mkdir()
@@ -70,6 +70,23 @@ def test_no_run(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch
         f"{folder}: error[not-a-run]: this is no run: there is no readable run.json in it\n"
         "  hint: give the folder that 'graspdsl run' made\n"
     )
+
+
+@pytest.mark.parametrize(
+    "words", [("run", "--resume"), ("report",), ("compare", "runs"), ("view", "--images", "seen", "--trial", "0")]
+)
+@pytest.mark.parametrize("folder", ["missing", "missing/run"])
+def test_no_folder(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = [folder if word == "runs" else word for word in words]
+    answer = CliRunner().invoke(app, [*given, folder])
+    assert (answer.exit_code, answer.stdout, answer.stderr) == (
+        1,
+        "",
+        f"{folder}: error[folder-not-found]: there is no such folder\n"
+        "  hint: give the folder that 'graspdsl run' made\n",
+    )
+    assert list(tmp_path.iterdir()) == []
 
 
 def _alter(run: Path, statement: str) -> None:

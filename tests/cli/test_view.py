@@ -10,13 +10,17 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+import trimesh
 from hands.models import URDF, changed, write
+from objects import parts
 from PIL import Image
 from stored_runs import stored_run
 
+from graspdsl.hands.descriptions import robot
 from graspdsl.trials.replay import Replay, frame
 from graspdsl.trials.store import RunFolder
-from graspdsl.worlds.bullet.replay import GraspStudio
+from graspdsl.worlds.annotations import INK
+from graspdsl.worlds.bullet.replay import GraspStudio, HandStudio, SurfaceStudio
 
 from .program import ROOT, SPEC, graspdsl
 
@@ -74,6 +78,22 @@ def test_floating_contacts_have_a_frame_too(tmp_path: Path) -> None:
     assert frame(stored_run(tmp_path / "floating", FLOATING, "trials.count=1"), 0) is not None
 
 
+def test_of_floating_contacts_those_of_the_grasp_are_drawn(tmp_path: Path) -> None:
+    """Three of the eight that there are, though all of them lie on the object."""
+    with Replay(stored_run(tmp_path / "floating", FLOATING, "trials.count=1"), 0) as replay:
+        last = replay.ticks - 1
+        assert replay.rows["touching"][last].sum() == 8
+        assert isinstance(replay.studio, SurfaceStudio)
+        engine, client = replay.studio.engine, replay.studio.client
+        bodies = [engine.getBodyUniqueId(row, client) for row in range(engine.getNumBodies(client))]
+        places = [engine.getBasePositionAndOrientation(body, client)[0] for body in bodies[1:]]  # but for the object
+        np.testing.assert_allclose(places, replay.rows["points"][last, :3], atol=1e-6)
+        starts = [arrow.start for arrow in replay.arrows(last)]
+        used = replay.camera.pixels(replay.rows["points"][last, :3].astype(float))
+        assert len(starts) == 6
+        np.testing.assert_allclose(starts, np.repeat(used, 2, axis=0))
+
+
 def test_pictures_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     done = graspdsl("view", folder.path, "--trial", 1, "--images", tmp_path / "seen", "--frames", 3, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -87,9 +107,12 @@ def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     film = tmp_path / "trial.mp4"
     done = graspdsl("view", folder.path, "--video", film, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if "█" in line]
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(film))
     assert frames == pytest.approx(10 * float(folder.trajectory(0)["time"][-1]), abs=2)
     assert seconds == pytest.approx(frames / 10, abs=0.2)
+    assert 1 < len(told) <= 20
+    assert f" {frames}/{frames}  " in told[-1]
     assert [file.name for file in tmp_path.iterdir()] == ["trial.mp4"]
 
 
@@ -118,7 +141,7 @@ def test_what_is_doubtful_about_a_hand_is_said(tmp_path: Path) -> None:
     write(tmp_path, drawn)
     done = graspdsl("view", "--hand", "hand.yaml", "--images", "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.count("warning[undrawn-mesh]") == 1
+    assert done.stderr.count("warning[undrawn]") == 1
     assert "hand.yaml:2" in done.stderr
 
 
@@ -134,6 +157,76 @@ def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: P
     done = graspdsl("view", *words, "--images", tmp_path / "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert sorted(file.name for file in (tmp_path / "seen").iterdir()) == names
+
+
+@pytest.mark.parametrize("name", ["barrett", "trio"])
+def test_the_contacts_of_a_hand_are_marked_at_its_fingertips(name: str, tmp_path: Path) -> None:
+    """The engine's box about the sphere that a fingertip is has the same middle."""
+    done = graspdsl("view", "--hand", name, "--images", "seen", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    shown = robot(name, "gantry")
+    postures = {
+        posture: np.array([shown.hand.postures[posture].get(joint, 0.0) for joint in shown.joints])
+        for posture in ("open", "closed")
+    }
+    with HandStudio(shown) as studio:
+        camera = studio.camera(list(postures.values()), 640, 480)
+        for posture, joints in postures.items():
+            studio.show(joints)
+            tips = studio.tips()
+            boxes = [studio.engine.getAABB(studio.hand.body, tip.link, studio.client) for tip in studio.hand.tips]
+            np.testing.assert_allclose(tips, np.mean(boxes, axis=1), atol=1e-6)
+            picture = np.asarray(Image.open(tmp_path / "seen" / f"{name}-{posture}.png").convert("RGB"))
+            marks = [picture[round(y), round(x)] for x, y in camera.pixels(tips)]
+            assert (np.array(marks) == INK).all()
+
+
+def test_objects_of_files(tmp_path: Path) -> None:
+    """A mesh, and a URDF whose mesh is in another folder, each seen in full and called after its file."""
+    for folder in ("meshes", "urdf"):
+        (tmp_path / folder).mkdir()
+    parts.write(trimesh.creation.box((0.05, 0.05, 0.05)), tmp_path / "meshes" / "shade.stl")
+    parts.write(parts.cylinder(), tmp_path / "part.OBJ")
+    (tmp_path / "urdf" / "lamp.urdf").write_text(
+        '<robot name="lamp"><link name="foot"><collision><geometry><mesh filename="../meshes/shade.stl"/></geometry>'
+        "</collision></link></robot>"
+    )
+    for file, name in (("part.OBJ", "part"), ("meshes/shade.stl", "shade"), ("urdf/lamp.urdf", "lamp")):
+        done = graspdsl("view", "--object", file, "--images", "seen", cwd=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr) == (0, f"seen/{name}.png\n", "")
+        assert len(np.unique(np.asarray(Image.open(tmp_path / "seen" / f"{name}.png").convert("L")))) > 20
+    shade, lamp = (Image.open(tmp_path / "seen" / f"{name}.png").crop((0, 0, 640, 400)) for name in ("shade", "lamp"))
+    assert np.abs(np.asarray(shade, dtype=float) - np.asarray(lamp, dtype=float)).mean() < 1.0
+
+
+def test_what_is_odd_about_the_file_of_an_object_is_said(tmp_path: Path) -> None:
+    parts.write(parts.without(parts.cylinder(), 5), tmp_path / "part.stl")
+    done = graspdsl("view", "--object", "part.stl", "--images", "seen", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr.startswith("part.stl: warning[mesh-not-watertight]: ")
+
+
+def test_files_that_hold_no_object_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder.stl").mkdir()
+    (tmp_path / "empty.stl").touch()
+    (tmp_path / "part.step").write_text("ISO-10303-21;")
+    (tmp_path / "part.urdf").write_text("<robot><link/></robot>")
+    parts.write(trimesh.creation.cone(0.04, 0.1).apply_transform(np.diag([1.0, -1.0, -1.0, 1.0])), tmp_path / "tip.stl")
+    for name, code in (
+        ("missing.stl", "file-not-found"),
+        (f"{'x' * 300}.stl", "file-not-found"),
+        ("missing/part.urdf", "file-not-found"),
+        ("folder.stl", "is-a-directory"),
+        ("empty.stl", "empty-mesh"),
+        ("part.step", "unknown-mesh-format"),
+        ("part.urdf", "bad-urdf"),
+        ("tip.stl", "unstable-object"),
+    ):
+        done = graspdsl("view", "--object", name, "--images", "seen", cwd=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr.count("error[")) == (1, "", 1)
+        assert done.stderr.startswith(f"{name}: error[{code}]: ")
+        assert "spec" not in done.stderr or code == "unstable-object"
+        assert not (tmp_path / "seen").exists()
 
 
 def test_what_cannot_be_seen_is_said(folder: RunFolder, tmp_path: Path) -> None:

@@ -103,9 +103,12 @@ def grasp_direction(tips: Array, palm_normal: Array) -> Array:
     return math.cos(elevation) * level / np.linalg.norm(level) + math.sin(elevation) * UP
 
 
-def taken(engine: Any, client: int, camera: Camera) -> Picture:
-    """The picture that a camera takes of an engine's world, before a calm background."""
-    width, height = OVERSAMPLING * camera.width, OVERSAMPLING * camera.height
+def taken(engine: Any, client: int, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
+    """The picture that a camera takes of an engine's world, before a calm background.
+
+    Each pixel is the mean of so many by so many, which smooths edges; the time grows with their number.
+    """
+    width, height = oversampling * camera.width, oversampling * camera.height
     _, _, colours, _, bodies = engine.getCameraImage(
         width,
         height,
@@ -126,5 +129,5 @@ def taken(engine: Any, client: int, camera: Camera) -> Picture:
     down = np.linspace(0.0, 1.0, height)[:, None]
     backdrop = (SKY + down * (GROUND - SKY))[:, None, :]
     whole = np.where(nothing[:, :, None], backdrop, seen)
-    fine = whole.reshape(camera.height, OVERSAMPLING, camera.width, OVERSAMPLING, 3)
+    fine = whole.reshape(camera.height, oversampling, camera.width, oversampling, 3)
     return np.asarray(np.round(fine.mean(axis=(1, 3))), dtype=np.uint8)

@@ -13,7 +13,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shading import Shaded
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.surfaces import Surface
-from graspdsl.worlds.bullet.camera import HEIGHT, WIDTH, Camera, Picture, box_corners, camera_on, taken
+from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture, box_corners, camera_on, taken
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.framing import camera_on_grasp
 from graspdsl.worlds.bullet.hand import BulletHand
@@ -36,9 +36,9 @@ class Studio:
         with silenced():
             self.client: int = self.engine.connect(self.engine.GUI if window else self.engine.DIRECT)
 
-    def picture(self, camera: Camera) -> Picture:
+    def picture(self, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
         """What a camera sees now."""
-        return taken(self.engine, self.client, camera)
+        return taken(self.engine, self.client, camera, oversampling)
 
     @property
     def is_open(self) -> bool:
@@ -125,6 +125,11 @@ class HandStudio(Studio):
     def show(self, joints: Array) -> None:
         """Put the joints (n,) [m or rad]."""
         self.hand.place(joints)
+
+    def tips(self) -> Array:
+        """The middles (k, 3) [m] of the fingertips as they stand, in the order of the robot's contacts."""
+        frames = zip(self.hand.tips, self.hand.tip_frames(), strict=True)
+        return np.array([origin + rotation @ tip.centre for tip, (origin, rotation) in frames])
 
     def camera(self, postures: Sequence[Array], width: int = WIDTH, height: int = HEIGHT) -> Camera:
         """A camera that shows the hand in each of these postures (n,)."""
