@@ -104,7 +104,7 @@ DAMAGES = {
     "no table": (lambda run: (run / "trials.sqlite").unlink(), "run-damaged"),
     "table cut": (lambda run: _cut(run / "trials.sqlite", 3000), "run-damaged"),
     "table is text": (lambda run: (run / "trials.sqlite").write_text("no database"), "run-damaged"),
-    "table of other columns": (lambda run: _alter(run, "ALTER TABLE trials DROP COLUMN ticks"), "run-damaged"),
+    "table of other columns": (lambda run: _alter(run, "ALTER TABLE trials DROP COLUMN ticks"), "run-differs"),
     "row unreadable": (lambda run: _alter(run, "UPDATE trials SET start = 'x' WHERE number = 1"), "run-damaged"),
     "outcome unknown": (lambda run: _alter(run, "UPDATE trials SET outcome = 'x' WHERE number = 1"), "run-damaged"),
     "no spec": (lambda run: (run / "spec.yaml").unlink(), "run-damaged"),
