@@ -107,7 +107,8 @@ def run_stages(
             moving = np.setdiff1d(chosen, done, assume_unique=True)
             if stalling is not None:
                 stalling.begin_anew(done)
-                given_up = moving[stalling.watch(step, moving, force[moving], moment[moving])]
+                stuck = stalling.watch(step, moving, force[moving], moment[moving])
+                given_up = moving[stuck & (held[moving] == 0)]  # a residual that is low enough need not fall
                 stalled[given_up], running[given_up] = True, False
                 moving = np.setdiff1d(moving, given_up, assume_unique=True)
             if step < steps and len(moving):

@@ -69,7 +69,8 @@ class Stage:
             for earlier, condition in enumerate(self.before):
                 if not is_low(condition, tick):
                     return StageEnd(observation, back_to=earlier)
-            if waits_for_residual and self.monitors.has_stalled(now):
+            stalled = waits_for_residual and self.monitors.has_stalled(now)
+            if stalled and held_from is None:  # a residual that is low enough need not fall
                 why = f"the residual stopped falling: {self._waited_for(observation, tick, held_from)}"
                 return StageEnd(observation, Verdict(Outcome.LOCAL_MINIMUM, why))
             if observation.time >= self.deadline - ROUNDING:

@@ -275,3 +275,9 @@ def test_a_simulation_without_numbers_has_crashed() -> None:
     measures = record.quality["ferrari-canny"]
     graded = [record.quality["force-closure"], measures["epsilon"], measures["volume"], record.quality["lift"]]
     assert {grade["reason"] for grade in (*graded, record.quality["shake"])} == {CRASHED}
+
+
+def test_a_grasp_that_holds_its_end_conditions_has_not_stalled() -> None:
+    """However long they have to hold: a residual that is low enough need not fall any further."""
+    found = run(MAIN, FAIR_START, "program.1.until.hold=15.0", "program.1.limit=60.0")
+    assert (found.outcome, found.detail) == (Outcome.CONVERGED, "")
