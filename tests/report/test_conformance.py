@@ -86,8 +86,8 @@ def told(point: Point, inside: Sequence[Trials], outside: Sequence[Trials]) -> l
 
 def low(point: Point) -> list[tuple[Point, Trials, Verdict]]:
     """Cases at the bounds of a good grasp's residuals."""
-    inside = [alike(31, force=0.299), alike(31, moment=0.0049)]
-    return told(point, inside, [alike(31, force=0.301), alike(31, moment=0.0051)])
+    inside = [alike(31, force=0.099), alike(31, moment=0.0049)]
+    return told(point, inside, [alike(31, force=0.101), alike(31, moment=0.0051)])
 
 
 CASES = [
