@@ -173,7 +173,7 @@ def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) ->
         message = f"this run was begun with other settings: {said or 'none'}"
     else:
         try:
-            pending(folder, program_of_run(folder))
+            pending(folder, program_of_run(folder), folder.finished())
         except DiagnosticError as error:
             faults = [replace(fault, hint=ANOTHER) for fault in error.diagnostics]
             raise InputError(str(place), "", faults) from None

@@ -73,7 +73,7 @@ def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -
         say(f"{manifest.name}: {what}{state} → {folder.path}")
         try:
             with TrialProgress(manifest.asked, finished) as progress:
-                execute(folder, workers, progress.advance)
+                execute(folder, workers, progress.advance, finished)
         except KeyboardInterrupt:
             say(f"interrupted; {_kept(command)}")
             return INTERRUPTED

@@ -17,9 +17,9 @@ from pathlib import Path
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
-from graspdsl.trials.identity import FILE_READERS, identity, other_origin, versions
+from graspdsl.trials.identity import FILE_READERS, identities, other_origin, versions
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.trials.record import Trial
+from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
@@ -52,27 +52,34 @@ def program_of_run(folder: RunFolder) -> Program:
     return program_of(*_recipe(folder))
 
 
-def pending(folder: RunFolder, program: Program) -> list[int]:
-    """The numbers of the trials of a run's program that are not finished yet.
+def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]) -> list[int]:
+    """The numbers of the trials of a run's program that are not among its finished ones.
 
     Raises DiagnosticError when the finished ones were made by other versions or another spec, so that their numbers
     and new ones would not go together.
     """
-    seed = folder.manifest.seed
-    done = {record.number: record.identity for record in folder.finished()}
-    if any(identity(program, number, seed) != known for number, known in done.items()):
+    done = {record.number: record.identity for record in finished}
+    identity_of = identities(program, folder.manifest.seed, versions(readers=bool(program.files)))
+    if any(identity_of(number) != known for number, known in done.items()):
         raise DiagnosticError([_differs(folder.manifest.versions)])
     return [number for number in range(folder.manifest.asked) if number not in done]
 
 
-def execute(folder: RunFolder, workers: int | None = None, on_trial: OnTrial | None = None) -> None:
+def execute(
+    folder: RunFolder,
+    workers: int | None = None,
+    on_trial: OnTrial | None = None,
+    finished: Sequence[TrialRecord] | None = None,
+) -> None:
     """Run the trials that are not finished yet; each is committed to the folder as it ends.
+
+    finished: those that are, where they have been read already, for that takes a look at every trajectory.
 
     Raises DiagnosticError as ``pending`` does, or when the folder cannot be written to; WorkerEndedError when a worker
     is killed. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
     program = program_of_run(folder)
-    numbers = pending(folder, program)
+    numbers = pending(folder, program, folder.finished() if finished is None else finished)
     if not numbers:
         return
     if workers is None:

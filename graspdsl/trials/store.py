@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from pydantic import Field, TypeAdapter
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
@@ -22,7 +21,7 @@ from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
 from graspdsl.spec.trials import MOST_TRIALS
 from graspdsl.trials.record import Duration, Trial, TrialRecord
 from graspdsl.trials.rows import COLUMNS, record_of, row_of
-from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory
+from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory, write_trajectory
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
 FILES = COPIES  # of those that the spec names
@@ -199,8 +198,7 @@ class RunFolder:
         file = self.trajectory_file(trial.record.number)
         file.parent.mkdir(exist_ok=True)
         draft = file.with_suffix(f".{os.getpid()}.new")
-        with draft.open("wb") as stream:
-            np.savez_compressed(stream, **dict(trial.trajectory))  # type: ignore[arg-type]
+        write_trajectory(draft, trial.trajectory)
         draft.replace(file)
 
     @contextmanager

@@ -59,6 +59,12 @@ class Layout:
         return cls(len(program.robot.contacts), joints, len(program.phases), limit)
 
 
+def write_trajectory(path: Path, rows: Mapping[str, Float32Array]) -> None:
+    """Write the arrays of a trajectory, packed, into a file. Raises OSError."""
+    with path.open("wb") as stream:
+        np.savez_compressed(stream, **dict(rows))  # type: ignore[arg-type]  # numpy types names like its own option
+
+
 def read_trajectory(path: Path, layout: Layout | None = None) -> Rows:
     """The arrays of a trajectory: all that reports and pictures need, equally long, of the shapes that the layout asks
     for, without values that cannot be; residuals and what belongs to contacts may be NaN.

@@ -15,7 +15,14 @@ import pytest
 
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.runner import execute, new_run
-from graspdsl.trials.trajectories import LARGEST_FILE, DamagedTrajectoryError, Layout, Rows, read_trajectory
+from graspdsl.trials.trajectories import (
+    LARGEST_FILE,
+    DamagedTrajectoryError,
+    Layout,
+    Rows,
+    read_trajectory,
+    write_trajectory,
+)
 from trials.whole import whole_rows
 
 LAYOUT = Layout(contacts=3, joints=10, phases=1, limit=30.0)
@@ -43,7 +50,7 @@ def refused(path: Path, layout: Layout | None = LAYOUT) -> str:
 def test_whole_rows_come_back(layout: Layout | None, tmp_path: Path) -> None:
     rows, path = whole_rows(5), tmp_path / "0.npz"
     rows["points"][2] = np.nan
-    np.savez_compressed(path, **rows)  # type: ignore[arg-type]
+    write_trajectory(path, rows)
     found = read_trajectory(path, layout)
     assert found.keys() == rows.keys()
     assert all(np.array_equal(found[name], rows[name], equal_nan=True) for name in rows)
