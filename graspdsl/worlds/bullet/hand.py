@@ -50,13 +50,22 @@ class BulletHand:
     """A hand on its mount, loaded with its root at a given pose and all joints at zero.
 
     Joint vectors of length n are in command order (mount first); the engine's own, longer vectors also hold the
-    coupled joints: full = coupling @ actuated.
+    coupled joints: full = coupling @ actuated. A hand that is not ``seen`` has no looks.
     """
 
     def __init__(
-        self, engine: Any, client: int, robot: Robot, position: Array, quaternion: Array, friction: float
+        self,
+        engine: Any,
+        client: int,
+        robot: Robot,
+        position: Array,
+        quaternion: Array,
+        friction: float,
+        *,
+        seen: bool = False,
     ) -> None:
         self._engine, self._client, self.robot = engine, client, robot
+        flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION
         with tempfile.TemporaryDirectory(prefix="graspdsl-") as folder:
             path = Path(folder, "robot.urdf")
             path.write_text(assembled_urdf(robot), encoding="utf-8")
@@ -66,7 +75,7 @@ class BulletHand:
                     position.tolist(),
                     quaternion.tolist(),
                     useFixedBase=True,
-                    flags=engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION,
+                    flags=flags if seen else flags | engine.URDF_IGNORE_VISUAL_SHAPES,
                     physicsClientId=client,
                 )
         self._read_joints()
@@ -163,6 +172,13 @@ class BulletHand:
             inertial_rotation=rotation_matrix(dynamics[4]),
         )
 
+    def move_root(self, position: Array, quaternion: Array) -> None:
+        """Put the root's frame at a position (3,) [m] and quaternion (4,), the joints as they are."""
+        inertial = self._engine.getDynamicsInfo(self.body, -1, self._client)[3:5]
+        centre = self._engine.multiplyTransforms(position.tolist(), quaternion.tolist(), *inertial)
+        self._engine.resetBasePositionAndOrientation(self.body, *centre, self._client)
+        self._base_rotation = rotation_matrix(tuple(quaternion))
+
     def place(self, joints: Array) -> None:
         """Put the joints (n,) where they are told, at rest, without simulating."""
         for index, angle in zip(self.movable, self.coupling @ joints, strict=True):
@@ -227,6 +243,14 @@ class BulletHand:
         both = self._engine.calculateJacobian(self.body, link, local.tolist(), all_joints, zeros, zeros, self._client)
         linear, angular = (self._base_rotation @ np.array(part) @ self.coupling for part in both)
         return linear, angular
+
+    def links_beyond(self, joints: Sequence[str]) -> set[int]:
+        """The links that these joints move."""
+        moved = {self.joint_index[name] for name in joints}
+        for index, parent in enumerate(self.parents):
+            if parent in moved:
+                moved.add(index)
+        return moved
 
     def palm(self) -> Palm:
         """The palm at the origin of its link."""

@@ -63,9 +63,9 @@ class GraspStudio(Studio):
 
     def __init__(self, settings: BulletSettings, start: Start, *, window: bool = False) -> None:
         super().__init__(window=window)
-        self.scene = Scene(self.engine, self.client, settings.body, settings.table_friction, settings.anchor)
+        self.scene = Scene(self.engine, self.client, settings.body, settings.table_friction, settings.anchor, seen=True)
         root = root_pose(settings.robot, start)
-        self.hand = BulletHand(self.engine, self.client, settings.robot, *root, settings.friction)
+        self.hand = BulletHand(self.engine, self.client, settings.robot, *root, settings.friction, seen=True)
 
     def show(self, joints: Array, centre: Array, rotation: Array) -> None:
         """Put the joints (n,) [m or rad], and the object's centre of mass (3,) [m] and rotation (3, 3)."""
@@ -106,7 +106,7 @@ class ObjectStudio(Studio):
     def __init__(self, body: Body, table_friction: float, gravity: float, *, window: bool = False) -> None:
         pose = resting_pose(body, table_friction, gravity)
         super().__init__(window=window)
-        self.scene = Scene(self.engine, self.client, body, table_friction, Anchor.NONE)
+        self.scene = Scene(self.engine, self.client, body, table_friction, Anchor.NONE, seen=True)
         self.scene.place(pose)
 
     def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:
@@ -120,7 +120,7 @@ class HandStudio(Studio):
     def __init__(self, robot: Robot, *, window: bool = False) -> None:
         super().__init__(window=window)
         start = Start(np.zeros(3), np.eye(3), {})
-        self.hand = BulletHand(self.engine, self.client, robot, *root_pose(robot, start), 0.0)
+        self.hand = BulletHand(self.engine, self.client, robot, *root_pose(robot, start), 0.0, seen=True)
 
     def show(self, joints: Array) -> None:
         """Put the joints (n,) [m or rad]."""

@@ -33,15 +33,18 @@ class Anchor(enum.Enum):
 class Scene:
     """A table whose top is z = 0 and one object that stands on it at the origin.
 
-    For a held object the table is lowered out of the way; ``attach`` fixes the object to the hand.
+    For a held object the table is lowered out of the way; ``attach`` fixes the object to the hand. What is not ``seen``
+    has no looks.
     """
 
-    def __init__(self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor) -> None:
+    def __init__(
+        self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor, *, seen: bool = False
+    ) -> None:
         self._engine, self._client = engine, client
-        self.table = self._put_table(-OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0)
+        self.table = self._put_table(-OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0, seen)
         self.mass = body.mass
         self._rolls = isinstance(body.shape, Sphere)
-        self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD)
+        self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD, seen=seen)
         self.object = self._body.index
         self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
@@ -70,10 +73,11 @@ class Scene:
             physicsClientId=client,
         )
 
-    def _put_table(self, top: float) -> int:
+    def _put_table(self, top: float, seen: bool) -> int:
         engine, client, half = self._engine, self._client, [size / 2 for size in TABLE_SIZE]
         collision = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
-        visual = engine.createVisualShape(engine.GEOM_BOX, halfExtents=half, rgbaColor=WOOD, physicsClientId=client)
+        wood = {"halfExtents": half, "rgbaColor": WOOD, "physicsClientId": client}
+        visual = engine.createVisualShape(engine.GEOM_BOX, **wood) if seen else -1
         place = [0.0, 0.0, top - half[2]]
         index: int = engine.createMultiBody(0.0, collision, visual, place, physicsClientId=client)
         return index

@@ -47,8 +47,11 @@ class EngineBody:
         engine.resetBasePositionAndOrientation(self.index, centre.tolist(), quaternion.tolist(), client)
 
 
-def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody:
-    """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free."""
+def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -> EngineBody:
+    """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free.
+
+    seen: whether it has looks; the engine keeps those of every world for good, so nobody's are not made.
+    """
     solid = solid_of(body.shape)
     moments, axes = solid.principal(body.mass)
     back = (axes.T, -axes.T @ solid.centre)
@@ -59,7 +62,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody
         collision = _collision(engine, client, [hull.placed(*back) for hull in hulls])
     else:
         collision = primitive
-    visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
+    visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)]) if seen else -1
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
     for hull in hulls[:1]:
         engine.changeDynamics(index, -1, collisionMargin=hull.margin, physicsClientId=client)

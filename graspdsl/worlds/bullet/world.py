@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import logarithm
@@ -17,14 +15,13 @@ from graspdsl.worlds.bullet.camera import Picture, taken
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.framing import camera_on_grasp
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
+from graspdsl.worlds.bullet.start_postures import StartPostures, root_pose
 from graspdsl.worlds.bullet.touch import Clock, Fingertips
 from graspdsl.worlds.protocol import (
     GRAVITY,
     Command,
-    InfeasibleStartError,
     Observation,
     Palm,
     Start,
@@ -38,10 +35,7 @@ PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
 SOLVER_ITERATIONS = 200  # at the engine's own 50, friction has not converged and what is held creeps in the hand
 SETTLE_TICKS = 10
 TABLE_FRICTION = 0.5
-CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
-CLOSING_STEP = 0.02  # rad
 MOST_AHEAD = 0.05  # rad or m, of a target before its joint
-PRESHAPE = 0.012  # m between a tip and the object when a trial begins
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,19 +51,14 @@ class BulletSettings:
     table_friction: float = TABLE_FRICTION
 
 
-def root_pose(robot: Robot, start: Start) -> tuple[Array, Array]:
-    """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
-    base = robot.mount.base
-    if base is None:
-        return start.position, Rotation.from_matrix(start.rotation).as_quat()
-    return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()
-
-
 class BulletWorld:
-    """A world of rigid bodies under gravity; the fingertips are soft. Rebuilt at each reset, so a trial repeats."""
+    """A world of rigid bodies under gravity; the fingertips are soft. Rebuilt at each reset, so a trial repeats.
 
-    def __init__(self, settings: BulletSettings) -> None:
-        self.settings = settings
+    seen: whether pictures are taken of it.
+    """
+
+    def __init__(self, settings: BulletSettings, *, seen: bool = False) -> None:
+        self.settings, self._seen = settings, seen
         robot = settings.robot
         lower, upper = (np.array(limits) for limits in joint_limits(robot))
         self.info = WorldInfo(
@@ -77,11 +66,17 @@ class BulletWorld:
         )
         self._engine = pybullet()
         self._client = -1
+        self._postures: StartPostures | None = None
 
     def reset(self, start: Start, seed: int) -> Observation:
         """Build the scene, put the hand at the start, its fingers about to touch, and tare."""
-        self.close()
-        engine = self._engine
+        self._end()
+        engine, robot, body = self._engine, self.settings.robot, self.settings.body
+        free = self.settings.anchor is Anchor.NONE
+        pose = resting_pose(body, self.settings.table_friction, self.settings.gravity) if free else None
+        if self._postures is None:
+            self._postures = StartPostures(robot, body, self.settings.anchor, pose)
+        posture = self._postures.find(start)
         with silenced():
             self._client = engine.connect(engine.DIRECT)
         client = self._client
@@ -90,13 +85,11 @@ class BulletWorld:
             deterministicOverlappingPairs=1, numSolverIterations=SOLVER_ITERATIONS, physicsClientId=client
         )
         engine.setGravity(0, 0, -self.settings.gravity, client)
-        self._scene = Scene(engine, client, self.settings.body, self.settings.table_friction, self.settings.anchor)
-        if self.settings.anchor is Anchor.NONE:
-            pose = resting_pose(self.settings.body, self.settings.table_friction, self.settings.gravity)
+        self._scene = Scene(engine, client, body, self.settings.table_friction, self.settings.anchor, seen=self._seen)
+        if pose is not None:
             self._scene.place(pose)
-        robot = self.settings.robot
-        self.hand = BulletHand(engine, client, robot, *root_pose(robot, start), self.settings.friction)
-        self._target = self._start_posture(start)
+        self.hand = BulletHand(engine, client, robot, *root_pose(robot, start), self.settings.friction, seen=self._seen)
+        self._target = posture
         self._stopped = np.zeros(len(self.info.joints), dtype=bool)
         self.hand.place(self._target)
         self.hand.drive(self._target)
@@ -110,63 +103,6 @@ class BulletWorld:
         self.tare()
         self._scene.mark_rest()
         return self._observe()
-
-    def _start_posture(self, start: Start) -> Array:
-        """The joints (n,) at the start, each finger closed until its tip is about to touch the object.
-
-        A start is infeasible when the arm cannot reach it, or a finger has no free place, or meets the object with
-        another link, or not at all.
-        """
-        robot = self.settings.robot
-        known = {**robot.hand.postures["open"], **start.posture}
-        opened = np.array([known.get(name, 0.0) for name in robot.joints])
-        if robot.mount.base is None:
-            return self._standing_free([self._preshape(opened)])
-        reaching = ArmReach(self.hand, start.position, start.rotation, self.info.lower, self.info.upper)
-        first = reaching.any_posture(opened)
-        # How the fingers close does not depend on how the arm holds the hand.
-        return self._standing_free(reaching.postures(self._preshape(first)))
-
-    def _standing_free(self, postures: Sequence[Array]) -> Array:
-        """The first of some postures that keeps clear of the table and the object."""
-        for posture in postures:
-            self.hand.place(posture)
-            if self._scene.clearance(self.hand.body, None, CLEARANCE) >= CLEARANCE:
-                return posture
-        raise InfeasibleStartError("the robot would stand in the table or the object")
-
-    def _preshape(self, posture: Array) -> Array:
-        """A posture (n,) with each finger closed until its tip is about to touch the object."""
-        robot = self.settings.robot
-        names = list(robot.joints)
-        closed = np.array([robot.hand.postures["closed"].get(name, 0.0) for name in names])
-        for (name, contact), tip in zip(robot.hand.contacts.items(), self.hand.tips, strict=True):
-            mine = np.isin(names, contact.finger)
-            posture = self._close_finger(posture, np.where(mine, closed - posture, 0.0), contact.finger, tip.link, name)
-        return posture
-
-    def _close_finger(self, posture: Array, motion: Array, joints: tuple[str, ...], tip: int, name: str) -> Array:
-        """Close one finger in small steps until its tip touches the object; the posture shortly before that."""
-        links = self._links_beyond(joints)
-        ready: Array | None = None
-        for share in np.arange(0.0, 1.0, CLOSING_STEP / float(np.abs(motion).max())):
-            candidate = posture + share * motion
-            self.hand.place(candidate)
-            distance = self._scene.distance_to_object(self.hand.body, tip, PRESHAPE)
-            if ready is not None and distance <= 0.0:
-                return ready
-            if self._scene.clearance(self.hand.body, links - {tip}, CLEARANCE) < CLEARANCE:
-                ready = None
-            elif distance >= PRESHAPE or (ready is None and distance >= CLEARANCE):
-                ready = candidate
-        raise InfeasibleStartError(f"{name} cannot close on the object with its tip")
-
-    def _links_beyond(self, joints: tuple[str, ...]) -> set[int]:
-        moved = {self.hand.joint_index[name] for name in joints}
-        for index, parent in enumerate(self.hand.parents):
-            if parent in moved:
-                moved.add(index)
-        return moved
 
     def step(self, command: Command) -> Observation:
         """Displace the joints' targets by the command, within their limits, and simulate one tick."""
@@ -265,6 +201,13 @@ class BulletWorld:
 
     def close(self) -> None:
         """Shut the simulation down."""
+        self._end()
+        if self._postures is not None:
+            self._postures.close()
+            self._postures = None
+
+    def _end(self) -> None:
+        """End the scene that stands."""
         if self.is_open:
             self._engine.disconnect(self._client)
             self._client = -1
