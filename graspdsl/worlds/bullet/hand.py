@@ -181,8 +181,8 @@ class BulletHand:
 
     def place(self, joints: Array) -> None:
         """Put the joints (n,) where they are told, at rest, without simulating."""
-        for index, angle in zip(self.movable, self.coupling @ joints, strict=True):
-            self._engine.resetJointState(self.body, index, float(angle), 0.0, self._client)
+        positions = (self.coupling @ joints)[:, None].tolist()
+        self._engine.resetJointStatesMultiDof(self.body, self.movable, positions, physicsClientId=self._client)
 
     def drive(self, joints: Array) -> None:
         """Set the position targets (n,) of the joint motors, the coupled joints with them."""

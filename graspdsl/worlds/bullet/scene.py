@@ -116,12 +116,13 @@ class Scene:
 
         Distances above ``within`` count as infinite.
         """
-        least = math.inf
-        for other in (self.table, self.object):
-            for point in self._engine.getClosestPoints(hand, other, within, physicsClientId=self._client):
-                if links is None or point[3] in links:
-                    least = min(least, point[8])
-        return least
+        parts: list[dict[str, int]] = [{}] if links is None else [{"linkIndexA": link} for link in links]
+        near = [
+            self._engine.getClosestPoints(hand, other, within, physicsClientId=self._client, **part)
+            for other in (self.table, self.object)
+            for part in parts
+        ]
+        return min((point[8] for points in near for point in points), default=math.inf)
 
     def distance_to_object(self, hand: int, link: int, within: float) -> float:
         """The distance [m] between a link of the hand and the object; infinite above ``within``."""

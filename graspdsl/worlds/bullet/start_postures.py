@@ -104,15 +104,17 @@ class StartPostures:
         while number < len(candidates):
             self._hand.place(candidates[number])
             distance = self._scene.distance_to_object(self._hand.body, tip.link, SEEN_AHEAD)
-            others = self._scene.clearance(self._hand.body, links - {tip.link}, SEEN_AHEAD)
+            free = max(0, math.floor((min(distance, SEEN_AHEAD) - PRESHAPE - ROUNDING) / travel))  # steps
+            others = self._scene.clearance(self._hand.body, links - {tip.link}, CLEARANCE + ROUNDING + free * travel)
             if ready is not None and distance <= 0.0:
                 return ready
             met = met or min(distance, others) < CLEARANCE
             if others < CLEARANCE:
                 ready = None
             elif distance >= PRESHAPE or (ready is None and distance >= CLEARANCE):
-                room = min(distance - PRESHAPE, others - CLEARANCE, SEEN_AHEAD - PRESHAPE) - ROUNDING
-                number = min(number + max(0, math.floor(room / travel)), len(candidates) - 1)
+                if others < math.inf:
+                    free = min(free, max(0, math.floor((others - CLEARANCE - ROUNDING) / travel)))
+                number = min(number + free, len(candidates) - 1)
                 ready = candidates[number]
             number += 1
         how = "meets the object or the table with another link" if met else "closes without meeting the object"
