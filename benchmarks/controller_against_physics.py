@@ -13,8 +13,8 @@ import numpy as np
 
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.setup import world_of
-from graspdsl.trials.starts import pose
 from graspdsl.worlds.protocol import Command
+from graspdsl.worlds.start_pose import pose
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "towel_roll_two_contacts.yaml"
 DRAWN = {"roll": 0.3, "yaw": 0.0, "tilt": 0.0, "height": 0.1, "standoff": 0.047, "offset": 0.0}

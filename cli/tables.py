@@ -16,7 +16,7 @@ from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import conditions, counted, millimetres, number, percent
+from graspdsl.report.wording import conditions, counted, feasible, millimetres, number, percent, quantiles
 
 Numbers = dict[str, Any]
 
@@ -29,7 +29,9 @@ def summary_text(numbers: Numbers) -> str:
 
 def _tables(numbers: Numbers) -> list[Callable[[Numbers], Table]]:
     reasons = [_reasons] if any(_unconverged(numbers)) else []
-    return [_outcomes, *reasons, _modes, _measures, *([_quality] if numbers["quality"] else [])]
+    starts = numbers["starts"]
+    selected = [_rejected, *([_starts] if starts["parameters"] else [])] if starts["rejected"] else []
+    return [_outcomes, *reasons, *selected, _modes, _measures, *([_quality] if numbers["quality"] else [])]
 
 
 def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
@@ -66,6 +68,8 @@ def _head(numbers: Numbers) -> list[RenderableType]:
             f"{numbers['outcomes'].get('converged', 0)} of {finished} trials converged: "
             f"{percent(numbers['converged']['share'])} (95 % interval {percent(low)} to {percent(high)})"
         )
+    if said := feasible(numbers["starts"]):
+        head.append(f"That is {said}.")
     return [*head, f"Converged: {conditions(numbers['converged']['means'])}."]
 
 
@@ -115,6 +119,20 @@ def reasons_table(title: str, reasons: Iterable[tuple[str, str, int, int]]) -> T
     listed = table(title, "outcome", "what was said", words=True)
     for outcome, said, count, whole in reasons:
         row(listed, outcome, said if count == whole else f"{said} ({count} of {whole})")
+    return listed
+
+
+def _rejected(numbers: Numbers) -> Table:
+    listed = table("Why draws of a start could not be taken up", "reason", "draws", "share")
+    for reason, count in numbers["starts"]["rejected"].items():
+        row(listed, reason, str(count), percent(count / numbers["starts"]["draws"]))
+    return listed
+
+
+def _starts(numbers: Numbers) -> Table:
+    listed = table("Starts, asked for and kept: 5 %, 50 % and 95 % quantiles", "", "asked", "kept")
+    for name, found in numbers["starts"]["parameters"].items():
+        row(listed, name, quantiles(found["asked"], found["unit"]), quantiles(found["kept"], found["unit"]))
     return listed
 
 
@@ -186,11 +204,9 @@ def _within(interval: tuple[float, float]) -> str:
 
 
 def _foot(numbers: Numbers) -> list[RenderableType]:
-    redrawn = numbers["redraws"]
     return [
         "",
-        f"Simulated {number(numbers['world_s'], 's', 0)} in {number(numbers['wall_s'], 's', 1)}; "
-        f"{redrawn} infeasible {'start' if redrawn == 1 else 'starts'} drawn again.",
+        f"Simulated {number(numbers['world_s'], 's', 0)} in {number(numbers['wall_s'], 's', 1)}.",
         Text(f"The run is in {numbers['run']}; to repeat it:", overflow="fold"),
     ]
 

@@ -24,6 +24,7 @@ from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_start_posture, check_trials, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target
+from graspdsl.compiler.start_check import check_sizes
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
@@ -131,6 +132,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
+        if thing is not None and check.robot.hand.urdf and not WORLDS[spec.scene.world].floats:
+            check_sizes(spec, check.robot, thing[0], document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)

@@ -17,6 +17,7 @@ from graspdsl.report.statistics import RIGHT_ANGLE, bandwidth, density
 
 WIDTH = 5.4  # in
 SMALL, MEDIUM = 8.0, 8.8  # pt
+START_BINS = 24
 MOST_PATHS = 400  # lines from start to end that a figure can still show
 _GRID = np.linspace(0.0, RIGHT_ANGLE, 257)
 _TURNS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, RIGHT_ANGLE)
@@ -123,11 +124,33 @@ def convergence_figure(ticks: Array, finished: int, *, tick: str) -> Figure:
     return figure
 
 
-def panels_of(height: float, ratios: Sequence[float]) -> tuple[Figure, list[Axes]]:
-    """A figure and its panels, one above the other over the same abscissa."""
+@dataclass(frozen=True, slots=True)
+class Draws:
+    """A number of the starts that were drawn: its name with its unit, the values that trials began with (n,), and those
+    of draws that could not be taken up (m,)."""
+
+    label: str
+    kept: Array
+    rejected: Array
+
+
+def starts_figure(draws: Sequence[Draws]) -> Figure:
+    """How many draws of each number of a start began a trial, and how many could not be taken up."""
+    figure, panels = panels_of(1.5 * len(draws), [1.0] * len(draws), shared=False)
+    for axes, drawn in zip(panels, draws, strict=True):
+        edges = np.histogram_bin_edges(np.concatenate([drawn.kept, drawn.rejected]), START_BINS)
+        colours = [LIGHT["series-1"], LIGHT["faint"]]
+        axes.hist([drawn.kept, drawn.rejected], edges.tolist(), stacked=True, color=colours)
+        axes.set_xlabel(drawn.label)
+        axes.set_ylabel("draws")
+    return figure
+
+
+def panels_of(height: float, ratios: Sequence[float], *, shared: bool = True) -> tuple[Figure, list[Axes]]:
+    """A figure and its panels, one above the other over the same abscissa, or each over its own."""
     figure = Figure((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
     panels = list(
-        figure.subplots(len(ratios), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
+        figure.subplots(len(ratios), 1, sharex=shared, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
     )
     for axes in panels:
         axes.set_facecolor("none")

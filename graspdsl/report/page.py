@@ -19,6 +19,7 @@ from graspdsl.report.page_figures import (
     drawn_funnel,
     drawn_map,
     drawn_residuals,
+    drawn_starts,
     tick_of,
 )
 from graspdsl.report.page_quality import quality_tables
@@ -28,6 +29,7 @@ from graspdsl.report.page_tables import (
     outcomes_table,
     residuals_table,
     sensing_table,
+    starts_tables,
     trials_table,
 )
 from graspdsl.report.page_words import left_out, notes, setting, verdict
@@ -77,6 +79,7 @@ def _drawings(evidence: Evidence, numbers: Mapping[str, Any]) -> list[Drawing]:
         *drawn_residuals(evidence, numbers),
         drawn_convergence(evidence),
         drawn_map(evidence),
+        drawn_starts(evidence, numbers),
     ]
     return [drawing for drawing in found if drawing is not None]
 
@@ -110,6 +113,8 @@ def _page(
         ticks=[number(numbers["ticks_to_converge"][which], "", 0) for which in ("median", "p90")],
         outcomes=outcomes_table(numbers),
         frames=_framed(evidence, frames),
+        starts=starts_tables(numbers),
+        start_figures=_inlined(drawings, "starts"),
         map=_inlined(drawings, "map"),
         quality=quality_tables(numbers["quality"]),
         sensing=sensing_table(numbers),

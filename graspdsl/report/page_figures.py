@@ -15,7 +15,7 @@ from graspdsl.report.attraction import map_of_run
 from graspdsl.report.bands import Band, band
 from graspdsl.report.drawing import svg_of
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.figures import Funnel, convergence_figure, funnel_figure, residual_figure
+from graspdsl.report.figures import Draws, Funnel, convergence_figure, funnel_figure, residual_figure, starts_figure
 from graspdsl.report.map_figure import map_figure
 from graspdsl.report.palette import series
 from graspdsl.report.statistics import bandwidth
@@ -127,6 +127,29 @@ def drawn_map(evidence: Evidence) -> Drawing | None:
         f"and how many {made.tick} they took."
     )
     return drawing("map", map_figure(made), caption)
+
+
+def drawn_starts(evidence: Evidence, numbers: Numbers) -> Drawing | None:
+    """What became of the draws of a start; None where every draw began a trial, or nothing differs between them."""
+    kept = [record.start for record in evidence.records if record.start]
+    rejected = [start.drawn for record in evidence.records for start in record.rejected]
+    names = [name for name in numbers["starts"]["parameters"] if all(name in start for start in rejected)]
+    if not names or not rejected:
+        return None
+    draws = [
+        Draws(
+            f"{name} ({numbers['starts']['parameters'][name]['unit'] or 'rad or m'})",
+            np.array([start[name] for start in kept]),
+            np.array([start[name] for start in rejected]),
+        )
+        for name in names
+    ]
+    caption = (
+        f"Draws of a start: dark the {len(kept)} that trials began with, light the {len(rejected)} that could not be "
+        "taken up. A draw that cannot be taken up is placed anew with the same orientation, so that an orientation "
+        "that is hard to take up is drawn more often."
+    )
+    return drawing("starts", starts_figure(draws), caption)
 
 
 def _angles(values: Sequence[float | None]) -> Array:

@@ -9,7 +9,7 @@ from typing import Any
 
 from graspdsl.report.claim_words import MARKS
 from graspdsl.report.judgements import Verdict
-from graspdsl.report.wording import NOTHING, percent, percents
+from graspdsl.report.wording import NOTHING, percent, percents, quantiles
 
 Numbers = Mapping[str, Any]
 MOST_ROWS = 5000  # trials that a page lists
@@ -113,6 +113,28 @@ def outcomes_table(numbers: Numbers) -> PageTable:
     ]
     columns = ("outcome", "trials", "share", "95 % interval", "meaning", "details")
     return PageTable("How trials ended", columns, tuple(rows))
+
+
+def starts_tables(numbers: Numbers) -> list[PageTable]:
+    """Why draws of a start could not be taken up, and what that made of the starts; nothing where all could be."""
+    starts = numbers["starts"]
+    if not starts["rejected"]:
+        return []
+    reasons = [
+        (words(reason), counted_cell(count), Cell(percent(count / starts["draws"]), count))
+        for reason, count in starts["rejected"].items()
+    ]
+    kept = [
+        (words(name), words(quantiles(found["asked"], found["unit"])), words(quantiles(found["kept"], found["unit"])))
+        for name, found in starts["parameters"].items()
+    ]
+    columns = ("number of a start", "asked for", "kept")
+    note = "Quantiles: 5 %, 50 % and 95 %."
+    tables = [
+        PageTable("Draws that could not be taken up", ("reason", "draws", "share of all draws"), tuple(reasons)),
+        PageTable("Starts, asked for and kept", columns, tuple(kept), note),
+    ]
+    return [table for table in tables if table.rows]
 
 
 def sensing_table(numbers: Numbers) -> PageTable:

@@ -9,7 +9,7 @@ from typing import Any
 
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import counted, percent, percents
+from graspdsl.report.wording import counted, feasible, percent, percents
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -24,9 +24,10 @@ def verdict(numbers: Numbers) -> str:
     if infeasible == finished:
         return f"None of {counted(finished, 'trial', 'trials')} could begin: no start that was drawn was feasible."
     good = numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
+    conditional = f", {said}" if (said := feasible(numbers["starts"])) else ""
     return (
         f"{good} of {counted(finished, 'trial', 'trials')} converged: {percent(good / finished)} "
-        f"(95 % interval {percents(wilson(good, finished))})."
+        f"(95 % interval {percents(wilson(good, finished))}){conditional}."
     )
 
 

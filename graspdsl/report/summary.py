@@ -15,6 +15,7 @@ import numpy as np
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.outcomes import outcome_table
 from graspdsl.report.quality import quality
+from graspdsl.report.start_selection import starts_of
 from graspdsl.report.statistics import bandwidth, median, modes, wilson
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
@@ -92,7 +93,7 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
             "levels": max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
         },
         "quality": quality(records),
-        "redraws": sum(record.redraws for record in records),
+        "starts": starts_of(evidence.program.spec.trials, records),
         "wall_s": manifest.wall_s,
         "world_s": sum(record.world_s for record in records),
         "records": [_plain(record) for record in records],
@@ -154,7 +155,7 @@ def _plain(record: TrialRecord) -> dict[str, Any]:
     plain: dict[str, Any] = {}
     for name, value in dataclasses.asdict(record).items():
         if isinstance(value, tuple):
-            plain[name] = [_known(number) for number in value]
+            plain[name] = [_known(part) if isinstance(part, float) else part for part in value]
         else:
             plain[name] = _known(value) if isinstance(value, float) else value
     return {**plain, "outcome": record.outcome.value}

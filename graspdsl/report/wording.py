@@ -29,9 +29,22 @@ def millimetres(metres: float | None, digits: int = 1) -> str:
     return number(None if metres is None else 1000 * metres, "mm", digits)
 
 
+def quantiles(values: Sequence[float] | None, unit: str) -> str:
+    """Quantiles of a number that a start has, in its unit."""
+    return NOTHING if values is None else f"{'  '.join(f'{value:.3g}' for value in values)} {unit}".rstrip()
+
+
 def counted(count: int, one: str, many: str) -> str:
     """A count with its noun."""
     return f"{count} {one if count == 1 else many}"
+
+
+def feasible(starts: Mapping[str, Any]) -> str:
+    """On what starts the shares of a run are conditional; nothing where every start that was drawn began a trial."""
+    draws, kept = starts["draws"], starts["kept"]
+    if draws == kept:
+        return ""
+    return f"of feasible starts only: {draws - kept} of {counted(draws, 'draw', 'draws')} could not be taken up"
 
 
 def conditions(means: Mapping[str, Any]) -> str:

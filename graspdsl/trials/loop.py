@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from graspdsl.trials.identity import identity
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.monitors import Monitors, window_of
 from graspdsl.trials.outcomes import Outcome, Verdict
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.stage import Stage, StageEnd, WitnessedWorld, loosened, until_of
 from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.protocol import (
@@ -31,11 +32,11 @@ OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach,
 
 
 class NoFeasibleStartError(Exception):
-    """The world could take up none of a trial's starts. draws: how many there were."""
+    """The world could take up none of a trial's starts."""
 
-    def __init__(self, draws: int, reasons: Counter[str]) -> None:
-        self.draws = draws
-        [(reason, count)] = reasons.most_common(1)
+    def __init__(self, rejected: Sequence[RejectedStart]) -> None:
+        draws = len(rejected)
+        [(reason, count)] = Counter(start.reason for start in rejected).most_common(1)
         share = "" if count == draws else f" ({count} times)"
         none = "the start is not feasible" if draws == 1 else f"no start in {draws} draws was feasible"
         super().__init__(f"{none}: {reason}{share}")
@@ -54,9 +55,9 @@ class TrialLoop:
         """Run one trial. What goes wrong in the world is its outcome, not an exception."""
         began = time.perf_counter()
         random = generator(seed, number)
-        start, redraws, log = None, 0, Logbook(np.zeros(3))
+        start, rejected, log = None, list[RejectedStart](), Logbook(np.zeros(3))
         try:
-            start, redraws, observation = self._begin(number, random)
+            start, observation = self._begin(number, random, rejected)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
@@ -64,7 +65,7 @@ class TrialLoop:
         except WorldCrashError as error:
             verdict, quality = Verdict(Outcome.CRASHED, str(error)), self._evaluation.of_nothing(CRASHED)
         except NoFeasibleStartError as error:
-            redraws, verdict = error.draws, Verdict(Outcome.INFEASIBLE_START, str(error))
+            verdict = Verdict(Outcome.INFEASIBLE_START, str(error))
             quality = self._evaluation.of_nothing(NO_CONTACTS)
         except UnstableObjectError as error:
             verdict, quality = Verdict(Outcome.TOPPLED, str(error)), self._evaluation.of_nothing(NO_CONTACTS)
@@ -76,7 +77,7 @@ class TrialLoop:
             outcome=verdict.outcome,
             detail=verdict.detail,
             start=start.drawn if start else {},
-            redraws=redraws,
+            rejected=tuple(rejected),
             orientation_start=log.start.orientation,
             orientation_end=log.end.orientation,
             force_residual_start=log.start.force_residual,
@@ -100,24 +101,24 @@ class TrialLoop:
         )
         return Trial(record, log.trajectory())
 
-    def _begin(self, number: int, random: np.random.Generator) -> tuple[Start, int, Observation]:
+    def _begin(
+        self, number: int, random: np.random.Generator, rejected: list[RejectedStart]
+    ) -> tuple[Start, Observation]:
+        """The first start that the world takes up; those before it are added to ``rejected``."""
         surface = self._program.robot.hand.palm_surface
         floats = self._program.world.floats
         wanted = self._program.spec.trials.start_of(number)
         starts = draws(wanted, self._program.body, surface, random, floats=floats)
         most = 1 if wanted.is_fixed else self._most_draws
-        reasons, beyond = Counter[str](), 0
-        start = next(starts)
-        for redraws in range(most):
+        start, beyond = next(starts), 0
+        while len(rejected) < most and not beyond == len(rejected) == MOST_OUT_OF_REACH:
             try:
-                return start, redraws, self._world.reset(start, int(random.integers(2**31)))
+                return start, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:
-                reasons[str(error)] += 1
+                rejected.append(RejectedStart(start.drawn, str(error)))
                 beyond += isinstance(error, UnreachableStartError)
-                if beyond == redraws + 1 == MOST_OUT_OF_REACH:
-                    break
                 start = starts.send(isinstance(error, UnreachableStartError) and beyond % OUT_OF_REACH_EACH == 0)
-        raise NoFeasibleStartError(reasons.total(), reasons)
+        raise NoFeasibleStartError(rejected)
 
     def _phases(self, observation: Observation, log: Logbook) -> Verdict:
         first = observation

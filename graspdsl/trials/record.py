@@ -20,16 +20,24 @@ Duration = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True)
+class RejectedStart:
+    """A start that was drawn and that the world could not take up: its numbers [m or rad] and why."""
+
+    drawn: Mapping[str, FiniteFloat]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class TrialRecord:
     """One trial. Lengths in m, angles in rad, forces in N, times in s; NaN where there was nothing to measure.
 
-    ``start`` is what was drawn, ``redraws`` how many starts the world could not take up before it. *_start is measured
-    at the first tick at which every contact touches (the first tick of all where that never came), *_end at the last
-    tick. ``ticks`` counts from where the controller takes over from the guarded close to the end,
-    ``ticks_to_converge`` to the tick from which on the end conditions held (None without convergence); where contacts
-    are displaced by probing, a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a
-    tick, or one a probe. ``tare_s`` is the time taken to tare the sensors, which ``world_s`` does not include.
-    ``quality`` holds the grades of the final grasp that the spec asks for, by their names.
+    ``start`` is what was drawn, ``rejected`` what was drawn before it and could not be taken up. *_start is measured at
+    the first tick at which every contact touches (the first tick of all where that never came), *_end at the last tick.
+    ``ticks`` counts from where the controller takes over from the guarded close to the end, ``ticks_to_converge`` to
+    the tick from which on the end conditions held (None without convergence); where contacts are displaced by probing,
+    a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a tick, or one a probe.
+    ``tare_s`` is the time taken to tare the sensors, which ``world_s`` does not include. ``quality`` holds the grades
+    of the final grasp that the spec asks for, by their names.
     """
 
     number: Count
@@ -37,7 +45,7 @@ class TrialRecord:
     outcome: Outcome
     detail: str
     start: Mapping[str, FiniteFloat]
-    redraws: Count
+    rejected: tuple[RejectedStart, ...]
     orientation_start: float
     orientation_end: float
     force_residual_start: float

@@ -16,7 +16,6 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.setup import world_of
-from graspdsl.trials.starts import pose
 from graspdsl.trials.store import RunFolder
 from graspdsl.trials.trajectories import Layout, Rows
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
@@ -24,6 +23,7 @@ from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera
 from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Start
+from graspdsl.worlds.start_pose import pose
 
 NORMAL_LENGTH = 0.03  # m
 LONGEST_FORCE = 0.05  # m that an arrow of an ordinary contact force has at most

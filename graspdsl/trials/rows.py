@@ -8,15 +8,16 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, create_model
 from pydantic_core import from_json
 
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import LARGEST_VALUE, TrialRecord
+from graspdsl.trials.record import LARGEST_VALUE, RejectedStart, TrialRecord
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
 _ANGLES = ("orientation_start", "orientation_end")
+_REJECTED = TypeAdapter(tuple[RejectedStart, ...])
 _NUMBERS = ("contact_forces", "point_error", "normal_error")
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
 
@@ -71,6 +72,7 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     try:
         values |= {name: _tuple(values[name]) for name in _NUMBERS}
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
+        values["rejected"] = _REJECTED.validate_json(values["rejected"], strict=True)
         values |= {name: math.nan for name in _MEASURED if values[name] is None}
         values["outcome"] = Outcome(values["outcome"])
         _Values.model_validate(values)
@@ -110,3 +112,5 @@ def _numbers_in(value: object) -> Iterator[float]:
     elif isinstance(value, tuple | list):
         for part in value:
             yield from _numbers_in(part)
+    elif isinstance(value, RejectedStart):
+        yield from value.drawn.values()

@@ -13,6 +13,7 @@ from typing import Protocol, runtime_checkable
 from graspdsl.arrays import Array, Flags
 
 GRAVITY = 9.81  # m/s²
+TABLE_SIZE = (1.6, 1.6, 0.05)  # m
 
 
 class InfeasibleStartError(Exception):

@@ -22,9 +22,9 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.trials.stage import Stage, loosened
-from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.protocol import Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.start_pose import pose
 
 SPECS = Path(__file__).parents[2] / "specs"
 MAIN = "towel_roll_two_contacts.yaml"

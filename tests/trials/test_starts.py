@@ -13,7 +13,8 @@ from graspdsl.hands.descriptions import hands
 from graspdsl.objects.facets import shaded
 from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.trials import Start as StartSpec
-from graspdsl.trials.starts import PLACEMENTS_EACH, draws, generator, pose
+from graspdsl.trials.starts import PLACEMENTS_EACH, draws, generator
+from graspdsl.worlds.start_pose import pose
 
 ROLL = catalogue()["towel-roll"]
 RADIUS, HEIGHT = 0.05, 0.20  # m, of the towel roll

@@ -16,11 +16,11 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.hands.descriptions import HERE, Robot, robot
 from graspdsl.objects.shapes import Body, catalogue
-from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.protocol import Command, Observation, Start
+from graspdsl.worlds.start_pose import pose
 
 ROBOT = robot("barrett", "gantry")
 JOINTS = tuple(ROBOT.joints)

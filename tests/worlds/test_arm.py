@@ -10,10 +10,10 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import joint_limits, robot
 from graspdsl.trials.setup import trial_loop
-from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.reach import ArmReach
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import InfeasibleStartError
+from graspdsl.worlds.start_pose import pose
 
 from .scenes import LEVEL, ROLL, main_program, opened, settings
 

@@ -11,11 +11,11 @@ from graspdsl.hands.descriptions import robot
 from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.surfaces import Ellipsoid
 from graspdsl.trials.stage import WitnessedWorld
-from graspdsl.trials.starts import pose
 from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
 from graspdsl.worlds.protocol import Command, Observation, Start
+from graspdsl.worlds.start_pose import pose
 
 ROBOT = robot("barrett", "gantry")
 ROLL = catalogue()["towel-roll"]

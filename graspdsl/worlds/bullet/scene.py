@@ -13,8 +13,8 @@ from graspdsl.objects.shapes import Body, Sphere
 from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body
+from graspdsl.worlds.protocol import TABLE_SIZE
 
-TABLE_SIZE = (1.6, 1.6, 0.05)
 OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
 UP = np.array([0.0, 0.0, 1.0])

@@ -1,0 +1,190 @@
+"""What can be known of the starts of a spec from sizes alone, before anything is simulated."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.compiler.complaints import Complaints
+from graspdsl.hands.descriptions import Robot
+from graspdsl.hands.kinematics import openings_of, reach_of
+from graspdsl.objects.facets import convex_parts
+from graspdsl.objects.shapes import Body, Bottle, Box, Compound, Cylinder, Sphere, TriangleMesh
+from graspdsl.objects.standing import fall_of
+from graspdsl.spec.constructing import Path
+from graspdsl.spec.distributions import Choice, Normal, Uniform
+from graspdsl.spec.document import Document
+from graspdsl.spec.models import Spec
+from graspdsl.spec.scene import InlineObject
+from graspdsl.worlds.protocol import TABLE_SIZE
+from graspdsl.worlds.start_pose import UP, pose
+
+STANDING = math.radians(5.0)  # by which an object that stands may tilt
+AROUND = 24  # directions about the normal of the palm in which an object's width is looked at
+OBLIQUE = 0.75  # cosine of an angle
+ASIDE = 1e-4
+SPREAD = 3.0  # standard deviations that are looked at
+START: Path = ("trials", "start")
+
+
+def check_sizes(spec: Spec, robot: Robot, body: Body, document: Document, complaints: Complaints) -> None:
+    """Warn of objects that do not stand or that no hand takes, and of palms that are nowhere near the object."""
+    _Sizes(spec, robot, body, document, complaints).all()
+
+
+class _Sizes:
+    def __init__(self, spec: Spec, robot: Robot, body: Body, document: Document, complaints: Complaints) -> None:
+        self._robot, self._body = robot, body
+        self._document, self._complaints = document, complaints
+        self._start, self._thing = spec.trials.start, spec.scene.object
+        gridded = {axis.parameter: (axis.middle(0), axis.middle(axis.cells - 1)) for axis in spec.trials.grid or ()}
+        names = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+        self._ends = {name: gridded.get(name) or _ends(getattr(self._start, name)) for name in names}
+
+    def all(self) -> None:
+        extent = self._body.shape.extent
+        if max(extent) > min(TABLE_SIZE[:2]):
+            self._warn_of_object(
+                "object-too-large",
+                f"the object is {max(extent):.3g} m long, where the table is {min(TABLE_SIZE[:2]):g} m wide",
+                "lengths are in metres; a mesh in millimetres needs scale: 0.001",
+            )
+            return
+        anchored = isinstance(self._thing, InlineObject) and (self._thing.held or self._thing.fixed)
+        if anchored or not (self._falls() or self._is_too_wide()):
+            self._palm()
+
+    def _falls(self) -> bool:
+        if isinstance(self._body.shape, Cylinder | Box | Sphere):  # these rest as they are put down
+            return False
+        fall = fall_of(self._body.shape)
+        if fall > STANDING:
+            self._warn_of_object(
+                "object-falls",
+                f"the object does not stand: put on the table as it is, it tips over by {math.degrees(fall):.0f}°",
+                "turn it in its file so that it stands, or add 'fixed: true' to the object",
+            )
+        return fall > STANDING
+
+    def _is_too_wide(self) -> bool:
+        """Whether no pair of fingertips can be on both sides of the object, or of a part of it."""
+        openings, shape = openings_of(self._robot), self._body.shape
+        if len(openings) == 0:
+            return False
+        normals = [rotation[:, 2] for _, rotation in self._poses()]
+        across = [found for normal in normals for found in _across(shape.support, normal)]
+        if not _fits(across, openings) and isinstance(shape, Bottle | Compound | TriangleMesh):
+            parts = [hull.vertices for hull in convex_parts(shape)]
+            across += [found for normal in normals for part in parts for found in _across(_supports(part), normal)]
+        fits = _fits(across, openings)
+        if not fits:
+            width, depth = min(across)
+            wide = max((gap for gap, ahead in openings if ahead >= depth), default=0.0)
+            where = f" {1000 * depth:.0f} mm ahead of its palm" if depth > 0.001 else ""
+            self._warn_of_object(
+                "object-too-wide",
+                f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._robot.hand.hand} opens to "
+                f"{1000 * wide:.0f} mm{where}",
+                "use a smaller object, a larger hand, or another approach",
+            )
+        return not fits
+
+    def _palm(self) -> None:
+        """Where the middle of the palm is, in all starts."""
+        top, standoff = self._body.shape.extent[2], self._ends["standoff"][0]
+        if self._start.approach != "top" and self._ends["height"][0] > top:
+            self._warn_of_start(
+                "height",
+                f"the palm is {self._ends['height'][0]:g} m or more above the table, above the top of the object at "
+                f"{top:.3g} m",
+                f"a palm that faces the object's side is at most {top:.3g} m high",
+            )
+            return
+        reach = reach_of(self._robot) - self._robot.hand.palm_surface
+        if standoff > reach:
+            self._warn_of_start(
+                "standoff",
+                f"the palm is {standoff:g} m or more from the object, but the fingers reach {reach:.3g} m ahead of it",
+                f"use a standoff below {reach:.3g} m",
+            )
+        palms = [place + self._robot.hand.palm_surface * rotation[:, 2] for place, rotation in self._poses()]
+        if all(palm[2] < 0.0 for palm in palms):
+            self._warn_of_start(
+                "tilt", "the palm is below the table in every start", "use a smaller tilt, or a larger height"
+            )
+        elif all(self._is_inside(palm) for palm in palms):
+            self._warn_of_start(
+                "standoff", "the palm is inside the object in every start", "use a larger standoff, or a smaller tilt"
+            )
+
+    def _is_inside(self, point: Array) -> bool:
+        """Whether a point (3,) [m] is within the object's outline seen from above, and not above it or below."""
+        shape = self._body.shape
+        headings = (2 * math.pi * way / AROUND for way in range(AROUND))
+        sides = (np.array([math.cos(heading), math.sin(heading), 0.0]) for heading in headings)
+        return bool(0.0 < point[2] < shape.extent[2] and all(side @ point < shape.support(side) for side in sides))
+
+    def _poses(self) -> Iterator[tuple[Array, Array]]:
+        """The hand's poses at the ends of all the ranges of a start."""
+        for values in itertools.product(*(sorted(set(ends)) for ends in self._ends.values())):
+            drawn = dict(zip(self._ends, values, strict=True))
+            start = pose(self._start.approach or "side", drawn, self._body, self._robot.hand.palm_surface)
+            yield start.position, start.rotation
+
+    def _warn_of_object(self, code: str, message: str, hint: str) -> None:
+        self._warn(code, message, ("scene", "object"), hint)
+
+    def _warn_of_start(self, name: str, message: str, hint: str) -> None:
+        self._warn("start-out-of-place", message, (*START, name), hint)
+
+    def _warn(self, code: str, message: str, path: Path, hint: str) -> None:
+        self._complaints.about(path)
+        self._complaints.warning(code, message, self._document.span(path), hint)
+
+
+def _ends(place: float | Uniform | Normal | Choice) -> tuple[float, float]:
+    """The least and the largest number that is drawn, but for the tails of a normal distribution."""
+    match place:
+        case Uniform(uniform=(low, high)):
+            return low, high
+        case Normal(normal=(mean, deviation)):
+            return mean - SPREAD * deviation, mean + SPREAD * deviation
+        case Choice(choice=values):
+            return min(values), max(values)
+    return float(place), float(place)
+
+
+def _across(support: Callable[[Array], float], normal: Array) -> Iterator[tuple[float, float]]:
+    """How wide a shape is across the normal (3,) of a palm, and how far ahead of its nearest point, in each direction.
+
+    The depth [m] is that of the place nearest to the palm at which a shape is so wide: none, where a face is met. The
+    axes of the shape count as across it up to OBLIQUE.
+    """
+    level = np.cross(normal, UP)
+    first = level / np.linalg.norm(level) if np.linalg.norm(level) > ASIDE else np.array([1.0, 0.0, 0.0])
+    second = np.cross(normal, first)
+    turns = [math.pi * way / AROUND for way in range(AROUND)]
+    sides = [*np.eye(3), *(math.cos(turn) * first + math.sin(turn) * second for turn in turns)]
+    nearest = support(-normal)
+    for side in sides:
+        if abs(side @ normal) > OBLIQUE:
+            continue
+        ends = (side, -side)
+        sizes = [support(end) for end in ends]
+        # The derivative of a support function in a direction is how far the shape reaches that way there.
+        near = [(support(end - ASIDE * normal) - size) / ASIDE for end, size in zip(ends, sizes, strict=True)]
+        yield sum(sizes), nearest - min(near)
+
+
+def _supports(vertices: Array) -> Callable[[Array], float]:
+    """The support function of the hull of some vertices (v, 3) [m]."""
+    return lambda direction: float((vertices @ direction).max())
+
+
+def _fits(across: Sequence[tuple[float, float]], openings: Array) -> bool:
+    """Whether a pair of fingertips opens as wide, as far ahead of the palm, as a shape is in some direction."""
+    return any(bool(((openings[:, 0] >= wide) & (openings[:, 1] >= deep)).any()) for wide, deep in across)
