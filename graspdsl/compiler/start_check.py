@@ -84,7 +84,7 @@ class _Sizes:
         if not fits:
             width, depth = min(across)
             wide = max((gap for gap, ahead in openings if ahead >= depth), default=0.0)
-            where = f" {1000 * depth:.0f} mm ahead of its palm" if depth > 0.001 else ""
+            where = f" as far ahead of its palm as that is ({1000 * depth:.0f} mm)" if depth > 0.001 else ""
             self._warn_of_object(
                 "object-too-wide",
                 f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._robot.hand.hand} opens to "
@@ -113,9 +113,7 @@ class _Sizes:
             )
         palms = [place + self._robot.hand.palm_surface * rotation[:, 2] for place, rotation in self._poses()]
         if all(palm[2] < 0.0 for palm in palms):
-            self._warn_of_start(
-                "tilt", "the palm is below the table in every start", "use a smaller tilt, or a larger height"
-            )
+            self._warn_of_start("height", "the palm is below the table in every start", "heights are above the table")
         elif all(self._is_inside(palm) for palm in palms):
             self._warn_of_start(
                 "standoff", "the palm is inside the object in every start", "use a larger standoff, or a smaller tilt"
@@ -162,7 +160,7 @@ def _across(support: Callable[[Array], float], normal: Array) -> Iterator[tuple[
     """How wide a shape is across the normal (3,) of a palm, and how far ahead of its nearest point, in each direction.
 
     The depth [m] is that of the place nearest to the palm at which a shape is so wide: none, where a face is met. The
-    axes of the shape count as across it up to OBLIQUE.
+    axes of the shape count as across it up to OBLIQUE; from below, where the table is, no finger comes.
     """
     level = np.cross(normal, UP)
     first = level / np.linalg.norm(level) if np.linalg.norm(level) > ASIDE else np.array([1.0, 0.0, 0.0])
@@ -171,7 +169,7 @@ def _across(support: Callable[[Array], float], normal: Array) -> Iterator[tuple[
     sides = [*np.eye(3), *(math.cos(turn) * first + math.sin(turn) * second for turn in turns)]
     nearest = support(-normal)
     for side in sides:
-        if abs(side @ normal) > OBLIQUE:
+        if max(abs(side @ normal), abs(side @ UP)) > OBLIQUE:
             continue
         ends = (side, -side)
         sizes = [support(end) for end in ends]

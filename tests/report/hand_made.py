@@ -62,7 +62,7 @@ def _record(number: int, trial: HandMade) -> TrialRecord:
         "outcome": Outcome.TIMEOUT if trial.ticks is None else Outcome.CONVERGED,
         "detail": "",
         "start": {},
-        "redraws": 0,
+        "rejected": (),
         "orientation_start": trial.start,
         "orientation_end": trial.end,
         "force_residual_end": trial.force,

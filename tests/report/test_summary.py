@@ -15,12 +15,13 @@ from trials.whole import whole_rows
 from graspdsl.arrays import Float32Array
 from graspdsl.report.summary import repeating, summary
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
 
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 
 Build = Callable[..., RunFolder]
+REJECTED = tuple(RejectedStart({}, reason) for reason in ("it rains", "it snows", "it rains", "it rains"))
 
 
 def _record(number: int, **values: Any) -> TrialRecord:
@@ -30,7 +31,7 @@ def _record(number: int, **values: Any) -> TrialRecord:
         "outcome": Outcome.CONVERGED,
         "detail": "",
         "start": {},
-        "redraws": 0,
+        "rejected": (),
         "contact_forces": (0.5, 0.4),
         "ticks": 10,
         "ticks_to_converge": None,
@@ -77,7 +78,7 @@ def test_a_run_without_trials(build: Build) -> None:
 
 
 def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) -> None:
-    lost = _record(1, outcome=Outcome.CRASHED, contact_forces=(), redraws=4)
+    lost = _record(1, outcome=Outcome.CRASHED, contact_forces=(), rejected=REJECTED)
     ends = [
         _record(number, orientation_end=1.5, force_residual_end=residual, moment_residual_end=0.002)
         for number, residual in ((0, 0.02), (2, 0.08), (3, 0.03))
@@ -90,7 +91,7 @@ def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) ->
     (mode,) = numbers["modes"]
     assert (mode["share"], mode["trials"], mode["force_residual"]) == (1.0, [0, 2, 3], 0.03)
     assert mode["centre"] == pytest.approx(1.5, abs=0.01)
-    assert numbers["redraws"] == 4
+    assert numbers["starts"]["rejected"] == {"it rains": 3, "it snows": 1}
     assert numbers["records"][1]["point_error"] == [None, None]
 
 

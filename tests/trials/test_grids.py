@@ -116,7 +116,7 @@ def test_a_start_that_cannot_be_is_a_class_of_its_own(tmp_path: Path) -> None:
     cells = cells_of(made.spec, folder.records())
     below, above = folder.records()
     assert cells.outcomes == ("infeasible-start", above.outcome.value)
-    assert (below.redraws, below.start) == (1, {})
+    assert (len(below.rejected), below.start) == (1, {})
     assert "not feasible" in below.detail
     assert above.start["height"] == pytest.approx(0.1)
 

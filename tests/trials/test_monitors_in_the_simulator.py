@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from graspdsl.compiler.program import program_of
 from graspdsl.quality.metric import CRASHED
 from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.record import RejectedStart, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
 from graspdsl.worlds.protocol import Command, Observation
@@ -229,16 +228,16 @@ def test_every_outcome_is_brought_about() -> None:
 
 def test_a_start_that_cannot_be_is_drawn_once_where_every_draw_is_the_same() -> None:
     record = run(MAIN, "trials.start={height: -0.05}")
-    assert record.redraws == 1
+    assert len(record.rejected) == 1
     assert record.detail.startswith("the start is not feasible: ")
 
 
 def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, ("trials.start={height: {uniform: [-0.06, -0.05]}}",))
     record = TrialLoop(program, world_of(program), most_draws=8).run(0, 5).record
-    assert (record.outcome, record.redraws) == (Outcome.INFEASIBLE_START, 8)
-    assert record.detail == "no start in 8 draws was feasible: finger-1 cannot close on the object with its tip"
-    several = NoFeasibleStartError(8, Counter({"it rains": 3, "it snows": 5}))
+    assert (record.outcome, len(record.rejected)) == (Outcome.INFEASIBLE_START, 8)
+    assert record.detail == "no start in 8 draws was feasible: finger-1 meets the object or the table with another link"
+    several = NoFeasibleStartError([RejectedStart({}, reason) for reason in ["it rains"] * 3 + ["it snows"] * 5])
     assert str(several) == "no start in 8 draws was feasible: it snows (5 times)"
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
 from trials.whole import whole_rows
 
@@ -27,7 +27,7 @@ RECORD = TrialRecord(
     outcome=Outcome.PALM_COLLISION,
     detail="the palm touched γ",
     start={"roll": 0.1 + 0.2, "height": 1e-300},
-    redraws=3,
+    rejected=(RejectedStart({"roll": 1 / 3, "height": 5e-324}, "a finger meets γ"), RejectedStart({}, "")),
     orientation_start=math.nan,
     orientation_end=math.nextafter(1.0, 2.0),
     force_residual_start=math.inf,
@@ -92,8 +92,8 @@ def test_trajectories_come_back(folder: RunFolder) -> None:
 
 
 def test_a_trial_may_be_added_again(folder: RunFolder) -> None:
-    folder.add(dataclasses.replace(TRIAL, record=dataclasses.replace(RECORD, redraws=9)))
-    assert [record.redraws for record in folder.records()] == [9]
+    folder.add(dataclasses.replace(TRIAL, record=dataclasses.replace(RECORD, rejected=())))
+    assert [record.rejected for record in folder.records()] == [()]
 
 
 def test_wall_time_adds_up(folder: RunFolder) -> None:
@@ -195,7 +195,14 @@ def _alter(folder: RunFolder, statement: str, *values: object) -> None:
         ("start", '{"roll": NaN}', "trial 2: expected value"),
         ("start", '{"roll": 1e400}', "trial 2: start.roll: input should be a finite number"),
         ("start", "[" * 100_000, "trial 2: recursion limit exceeded"),
-        ("redraws", -1, "trial 2: redraws: input should be greater than or equal to 0"),
+        ("rejected", -1, "trial 2: a value has another type"),
+        ("rejected", "{}", "trial 2: input should be a valid"),
+        (
+            "rejected",
+            '[{"drawn": {"roll": "x"}, "reason": ""}]',
+            "trial 2: 0.drawn.roll: input should be a valid number",
+        ),
+        ("rejected", '[{"drawn": {"roll": 1e300}, "reason": ""}]', "trial 2: a value is too large to be measured"),
         ("ticks", 1.5, "trial 2: ticks: input should be a valid integer"),
         ("ticks_to_converge", "9", "trial 2: ticks_to_converge: input should be a valid integer"),
         ("orientation_end", "steep", "trial 2: orientation_end: input should be a valid number"),

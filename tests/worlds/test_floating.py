@@ -173,7 +173,7 @@ def test_trials_run_to_a_named_end(thing: str) -> None:
     for number in range(3):
         record = loop.run(number, 11).record
         assert record.outcome in {Outcome.CONVERGED, Outcome.LOCAL_MINIMUM, Outcome.TIMEOUT}
-        assert record.redraws == 0
+        assert len(record.rejected) == 0
         assert record.object_shift == record.object_lean == 0.0
         if record.outcome is Outcome.CONVERGED:
             assert record.force_residual_end < 0.1
