@@ -41,7 +41,9 @@ class _Sizes:
         self._robot, self._body = robot, body
         self._document, self._complaints = document, complaints
         self._start, self._thing = spec.trials.start, spec.scene.object
-        gridded = {axis.parameter: (axis.middle(0), axis.middle(axis.cells - 1)) for axis in spec.trials.grid or ()}
+        gridded: dict[str, tuple[float, float]] = {
+            axis.parameter: (axis.middle(0), axis.middle(axis.cells - 1)) for axis in spec.trials.grid or ()
+        }
         names = ("roll", "height", "standoff", "yaw", "offset", "tilt")
         self._ends = {name: gridded.get(name) or _ends(getattr(self._start, name)) for name in names}
 

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import from_json
 
 from graspdsl.trials.outcomes import Outcome
@@ -17,7 +17,6 @@ from graspdsl.trials.record import LARGEST_VALUE, RejectedStart, TrialRecord
 COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
 _ANGLES = ("orientation_start", "orientation_end")
-_REJECTED = TypeAdapter(tuple[RejectedStart, ...])
 _NUMBERS = ("contact_forces", "point_error", "normal_error")
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
 
@@ -55,6 +54,10 @@ class _Grades(_Part):
     shake: _Held | None = None
 
 
+class _Rejected(_Part):
+    rejected: tuple[RejectedStart, ...]
+
+
 _KINDS = {**get_type_hints(TrialRecord, include_extras=True), "quality": _Grades}
 _FIELDS: dict[str, Any] = {name: (kind, ...) for name, kind in _KINDS.items()}
 _Values = create_model("_Values", __base__=_Part, **_FIELDS)
@@ -72,7 +75,7 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     try:
         values |= {name: _tuple(values[name]) for name in _NUMBERS}
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
-        values["rejected"] = _REJECTED.validate_json(values["rejected"], strict=True)
+        values["rejected"] = _Rejected.model_validate_json(f'{{"rejected": {values["rejected"]}}}').rejected
         values |= {name: math.nan for name in _MEASURED if values[name] is None}
         values["outcome"] = Outcome(values["outcome"])
         _Values.model_validate(values)

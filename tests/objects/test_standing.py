@@ -36,7 +36,7 @@ def test_how_far_a_body_falls(shape: Shape, degrees: float) -> None:
 def leaning(aside: float) -> TriangleMesh:
     """A prism 0.1 m high on a base of 0.04 m by 0.04 m, its top displaced sideways [m]."""
     base = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * 0.02
-    low, high = np.column_stack([base, np.zeros(4)]), np.column_stack([base + (aside, 0.0), np.full(4, 0.1)])
+    low, high = np.column_stack([base, np.zeros(4)]), np.column_stack([base + np.array([aside, 0.0]), np.full(4, 0.1)])
     hull = trimesh.convex.convex_hull(np.concatenate([low, high]))
     vertices = np.asarray(hull.vertices) - hull.bounds.mean(axis=0)
     faces = np.asarray(hull.faces, dtype=np.int64)

@@ -14,6 +14,7 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, robot
 from graspdsl.objects.shapes import Body, Box, catalogue
+from graspdsl.worlds.bullet.hand import Tip
 from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.start_postures import CLEARANCE, CLOSING_STEP, PRESHAPE, StartPostures
@@ -29,17 +30,16 @@ MOST_ADDED = 20.0  # MB
 class StepByStep(StartPostures):
     """Fingers closed as a person would say it: step by step, looking each time."""
 
-    def _close_finger(self, posture: Array, motion: Array, joints: tuple[str, ...], tip: object, name: str) -> Array:
+    def _close_finger(self, posture: Array, motion: Array, joints: tuple[str, ...], tip: Tip, name: str) -> Array:
         links = self._hand.links_beyond(joints)
-        own = self._hand.tips[self._robot.contacts.index(name)].link
         ready = None
         for share in np.arange(0.0, 1.0, CLOSING_STEP / float(np.abs(motion).max())):
             candidate = posture + share * motion
             self._hand.place(candidate)
-            distance = self._scene.distance_to_object(self._hand.body, own, 1.0)
+            distance = self._scene.distance_to_object(self._hand.body, tip.link, 1.0)
             if ready is not None and distance <= 0.0:
                 return np.asarray(ready)
-            if self._scene.clearance(self._hand.body, links - {own}, 1.0) < CLEARANCE:
+            if self._scene.clearance(self._hand.body, links - {tip.link}, 1.0) < CLEARANCE:
                 ready = None
             elif distance >= PRESHAPE or (ready is None and distance >= CLEARANCE):
                 ready = candidate

@@ -20,7 +20,8 @@ from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Anchor, Scene
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.solids import visual_of
-from graspdsl.worlds.bullet.world import BulletSettings, root_pose
+from graspdsl.worlds.bullet.start_postures import root_pose
+from graspdsl.worlds.bullet.world import BulletSettings
 from graspdsl.worlds.protocol import Start
 
 ASIDE = np.array([0.55, -0.75, 0.42])  # from where what has no palm is seen

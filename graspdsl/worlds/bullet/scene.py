@@ -12,7 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Sphere
 from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.solids import put_body
+from graspdsl.worlds.bullet.solids import put_body, speck
 from graspdsl.worlds.protocol import TABLE_SIZE
 
 OUT_OF_THE_WAY = 1.0  # m
@@ -77,7 +77,7 @@ class Scene:
         engine, client, half = self._engine, self._client, [size / 2 for size in TABLE_SIZE]
         collision = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
         wood = {"halfExtents": half, "rgbaColor": WOOD, "physicsClientId": client}
-        visual = engine.createVisualShape(engine.GEOM_BOX, **wood) if seen else -1
+        visual = engine.createVisualShape(engine.GEOM_BOX, **wood) if seen else speck(engine, client)
         place = [0.0, 0.0, top - half[2]]
         index: int = engine.createMultiBody(0.0, collision, visual, place, physicsClientId=client)
         return index

@@ -62,7 +62,11 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -
         collision = _collision(engine, client, [hull.placed(*back) for hull in hulls])
     else:
         collision = primitive
-    visual = visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)]) if seen else -1
+    visual = (
+        visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
+        if seen
+        else speck(engine, client)
+    )
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
     for hull in hulls[:1]:
         engine.changeDynamics(index, -1, collisionMargin=hull.margin, physicsClientId=client)
@@ -114,6 +118,12 @@ def _wavefront(hulls: Sequence[Hull]) -> str:
         lines += [f"f {a} {b} {c}" for a, b, c in corners]
         first += count
     return "\n".join([*lines, ""])
+
+
+def speck(engine: Any, client: int) -> int:
+    """The number of the visual shape of what nobody sees; without one the engine would draw what collides."""
+    index: int = engine.createVisualShape(engine.GEOM_BOX, halfExtents=[1e-4] * 3, physicsClientId=client)
+    return index
 
 
 def visual_of(engine: Any, client: int, surface: Sequence[Shaded]) -> int:
