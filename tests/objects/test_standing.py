@@ -60,8 +60,8 @@ def test_a_prism_stands_while_its_middle_is_over_its_base(aside: float, stands: 
             {
                 "compound": {
                     "parts": [
-                        {"box": {"size": [0.02, 0.02, 0.1]}},
-                        {"box": {"size": [0.1, 0.02, 0.02]}, "at": [0.05, 0, 0.06]},
+                        {"box": {"size": [0.02, 0.02, 0.1]}, "at": [0, 0, 0.05]},
+                        {"box": {"size": [0.1, 0.02, 0.02]}, "at": [0.05, 0, 0.11]},
                     ]
                 }
             }
@@ -70,8 +70,8 @@ def test_a_prism_stands_while_its_middle_is_over_its_base(aside: float, stands: 
             {
                 "compound": {
                     "parts": [
-                        {"box": {"size": [0.06, 0.06, 0.1]}},
-                        {"box": {"size": [0.06, 0.02, 0.02]}, "at": [0.04, 0, 0.06]},
+                        {"box": {"size": [0.06, 0.06, 0.1]}, "at": [0, 0, 0.05]},
+                        {"box": {"size": [0.06, 0.02, 0.02]}, "at": [0.04, 0, 0.11]},
                     ]
                 }
             }

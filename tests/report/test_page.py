@@ -181,9 +181,9 @@ def test_a_run_on_a_grid_shows_its_map(tmp_path: Path) -> None:
     evidence = evidence_of(tmp_path / "run", BULLET, *settings)
     text = read(page(evidence)).text
     assert "Starts lie on a grid and are not drawn at random" in text
-    assert "roll (rad)" in text
+    assert "The starts on the run's grid" in text
     unfinished = dataclasses.replace(evidence, records=evidence.records[:1])
-    assert "roll (rad)" not in read(page(unfinished)).text
+    assert "The starts on the run's grid" not in read(page(unfinished)).text
 
 
 def test_probes_are_called_probes(tmp_path: Path) -> None:
