@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
+from graspdsl.diagnostics import on_one_line
 from graspdsl.report.statistics import wilson
 from graspdsl.report.wording import conditions, counted, millimetres, number, percent
 
@@ -39,7 +40,7 @@ def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
     for part in parts:
         console.print(_Printable(part))
     if unwrapped:
-        console.print(Text(printable(unwrapped)), soft_wrap=True)
+        console.print(Text(on_one_line(unwrapped)), soft_wrap=True)
     return text.getvalue().rstrip("\n")
 
 
@@ -81,7 +82,7 @@ def table(title: str, *columns: str, words: bool = False) -> Table:
 
 def row(to: Table, *cells: str) -> None:
     """Add a row of texts to a table."""
-    to.add_row(*map(writable, cells))
+    to.add_row(*(writable(on_one_line(cell)) for cell in cells))
 
 
 def _outcomes(numbers: Numbers) -> Table:
@@ -191,7 +192,7 @@ def _foot(numbers: Numbers) -> list[RenderableType]:
         "",
         f"Simulated {number(numbers['world_s'], 's', 0)} in {number(numbers['wall_s'], 's', 1)}; "
         f"{redrawn} infeasible {'start' if redrawn == 1 else 'starts'} drawn again.",
-        Text(f"The run is in {numbers['run']}; to repeat it:", overflow="fold"),
+        Text(f"The run is in {on_one_line(numbers['run'])}; to repeat it:", overflow="fold"),
     ]
 
 

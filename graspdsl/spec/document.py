@@ -141,17 +141,17 @@ class Document:
 Faults = list[tuple[Path | None, Diagnostic]]
 
 
-def parse_value(lines: Lines) -> tuple[Data, Mapping[Path, Place], Faults]:
-    """Any YAML value, the places in it, and its faults with their paths (None for none in particular).
+def parse_value(lines: Lines) -> tuple[Data, Lines, Mapping[Path, Place], Faults]:
+    """Any YAML value, the text as it was read, the places in it, and its faults with their paths (None for none).
 
     Raises :class:`DiagnosticError` when the text cannot be read as one value.
     """
-    node, tag_faults = compose(lines)
+    node, lines, text_faults = compose(lines)
     if node is None:
-        return None, {(): Place(Piece(0, 0))}, []
+        return None, lines, {(): Place(Piece(0, 0))}, [(None, fault) for fault in text_faults]
     constructor = Constructor(lines)
     data = constructor.build(node)
-    return data, constructor.places, [*((None, fault) for fault in tag_faults), *constructor.faults]
+    return data, lines, constructor.places, [*((None, fault) for fault in text_faults), *constructor.faults]
 
 
 def parse_with_faults(text: str, name: str) -> tuple[Document, Faults]:
@@ -162,8 +162,7 @@ def parse_with_faults(text: str, name: str) -> tuple[Document, Faults]:
     size = len(text.encode("utf-8", errors="surrogatepass"))
     if size > SIZE_LIMIT:
         raise too_large(size)
-    lines = Lines(with_plain_line_ends(text))
-    data, places, faults = parse_value(lines)
+    data, lines, places, faults = parse_value(Lines(with_plain_line_ends(text)))
     if data is None:
         empty = Diagnostic("empty-file", "there is nothing in this file", hint="begin with: graspdsl: 1")
         raise DiagnosticError([empty])

@@ -73,7 +73,7 @@ def _value(text: str, origin: str) -> Data:
     if len(text) > SIZE_LIMIT:
         raise _refused(origin, "file-too-large", "the value is too long", None)
     try:
-        value, _, faults = parse_value(Lines(text))
+        value, _, _, faults = parse_value(Lines(text))
     except DiagnosticError as error:
         found = error.diagnostics
     else:
