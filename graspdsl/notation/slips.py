@@ -14,6 +14,8 @@ from graspdsl.notation.syntax import ROLES
 
 _HEADS = {"POTENTIAL": "φ", "EFFECTOR": "τ", "SENSOR": "σ", "ABBREVIATION": "π"}
 _SPELT_HEADS = {"φ": "φ", "phi": "φ", "τ": "τ", "tau": "τ", "σ": "σ", "sigma": "σ", "π": "π", "pi": "π"}
+_GRAVITY = {"γ", "γg", "γ_g", "grav", "gravity", "gravitation"}
+_CONTACTS = re.compile(r"[γΓ]_?([1-9](?:[,_]?[1-9])+)")
 # "pi" begins many a word (pinch); the other heads hardly any.
 _SPELT = re.compile(r"([φτσπ]|phi|tau|sigma|pi(?![a-z]))_*(.*)")
 
@@ -21,6 +23,18 @@ _SPELT = re.compile(r"([φτσπ]|phi|tau|sigma|pi(?![a-z]))_*(.*)")
 def hint(halt: Situation) -> str:
     """What would be right."""
     return next(filter(None, (slip(halt) for slip in SLIPS)))
+
+
+def resource_slip(name: str) -> str | None:
+    """What would be right for the canonical name of a resource that is none: γ_g for gravity, <γ2, γ3> for γ23."""
+    if name.casefold() in _GRAVITY:
+        return "gravity is written γ_g"
+    contacts = _CONTACTS.fullmatch(name)
+    members = [f"γ{digit}" for digit in re.findall("[1-9]", contacts.group(1))] if contacts else []
+    if len(members) < 2 or len(set(members)) < len(members):
+        return None
+    virtual, short = f"<{', '.join(members)}>", "γ" + "".join(member[1:] for member in members)
+    return f'contacts that act as one are written {virtual}; to name them, declare {short}: "{virtual}" in resources'
 
 
 def _then_in_capitals(halt: Situation) -> str | None:
