@@ -119,9 +119,9 @@ def in_reading_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...
     return tuple(sorted(dict.fromkeys(diagnostics), key=lambda d: (d.span or start_of_file, d.code, d.message)))
 
 
-def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+def nearest(name: str, known: Iterable[str], count: int = 3, likeness: float = 0.6) -> list[str]:
     """The known names that look most like ``name``, best first; empty when none comes close."""
-    return difflib.get_close_matches(name, list(known), n=count, cutoff=0.6)
+    return difflib.get_close_matches(name, list(known), n=count, cutoff=likeness)
 
 
 def listed(names: Iterable[str], joint: str = "and") -> str:

@@ -11,11 +11,12 @@ from collections.abc import Callable
 from graspdsl.notation.names import canonical
 from graspdsl.notation.situation import Situation
 from graspdsl.notation.syntax import ROLES
+from graspdsl.units import number_meant
 
 _HEADS = {"POTENTIAL": "φ", "EFFECTOR": "τ", "SENSOR": "σ", "ABBREVIATION": "π"}
 _SPELT_HEADS = {"φ": "φ", "phi": "φ", "τ": "τ", "tau": "τ", "σ": "σ", "sigma": "σ", "π": "π", "pi": "π"}
 _GRAVITY = {"γ", "γg", "γ_g", "grav", "gravity", "gravitation"}
-_CONTACTS = re.compile(r"[γΓ]_?([1-9](?:[,_]?[1-9])+)")
+_CONTACTS = re.compile(r"[γΓ]_?([1-9](?:[,_γ]*[1-9])+)")
 # "pi" begins many a word (pinch); the other heads hardly any.
 _SPELT = re.compile(r"([φτσπ]|phi|tau|sigma|pi(?![a-z]))_*(.*)")
 
@@ -27,7 +28,7 @@ def hint(halt: Situation) -> str:
 
 def resource_slip(name: str) -> str | None:
     """What would be right for the canonical name of a resource that is none: γ_g for gravity, <γ2, γ3> for γ23."""
-    if name.casefold() in _GRAVITY:
+    if name != "Γ" and name.casefold() in _GRAVITY:
         return "gravity is written γ_g"
     contacts = _CONTACTS.fullmatch(name)
     members = [f"γ{digit}" for digit in re.findall("[1-9]", contacts.group(1))] if contacts else []
@@ -98,6 +99,11 @@ def _hyphen_in_name(halt: Situation) -> str | None:
     return None
 
 
+def _unit_behind_number(halt: Situation) -> str | None:
+    meant = number_meant(f"{halt.previous} {halt.found}") if halt.kind == "NAME" and halt.previous else None
+    return f"numbers are bare, in SI units: {meant[0]:.6g}" if meant else None
+
+
 def _missing_comma(halt: Situation) -> str | None:
     if halt.could_be("COMMA") and halt.kind in ("NAME", "NUMBER", "_OPEN_VIRTUAL", "LBRACE"):
         return f"separate with commas: {halt.previous}, {halt.found}"
@@ -166,6 +172,8 @@ def _transform_unfinished(halt: Situation) -> str | None:
 def _stray_sign(halt: Situation) -> str | None:
     if halt.kind:
         return None
+    if halt.found in "+-&" and halt.previous[0] in "γ>" and halt.could_be("COMMA"):
+        return "separate contacts with commas; those that act as one are written <γ2, γ3>"
     if halt.found == "_":
         return "a name begins with a letter, and “_” stands between its parts: φ_fr"
     return "a sign or a point belongs to a number, without space between: -0.5"
@@ -192,6 +200,7 @@ SLIPS: tuple[Callable[[Situation], str | None], ...] = (
     _missing_bar,
     _hyphen_in_name,
     _lone_argument,
+    _unit_behind_number,
     _missing_comma,
     _resources_without_set,
     _set_in_set,

@@ -32,8 +32,10 @@ _BLANK = "[\xa0\u1680\u2000-\u200a\u200c-\u200f\u202f\u205f\u2800\u3000]"
 _BLANKS = re.compile(f"{_BLANK}+")
 # In a key's place, the blanks behind the colon; at the end of a plain text, those before a sign of YAML.
 _BEHIND_COLON = re.compile(f"[^:]*:({_BLANK}+)")
-_AT_END = re.compile(f"(?<!{_BLANK}){_BLANK}+(?= *(?:#|$|:(?: |$)))")
-_ON_THE_LINE, _IN_BRACKETS = re.compile("[^\n]*"), re.compile(r"[^\n,\[\]{}]*")
+_AT_END = re.compile(f"(?<!{_BLANK}){_BLANK}+(?= *(?:$|:(?: |$)))")
+# How far a plain text may reach: up to a comment, which a blank comes before.
+_ON_THE_LINE = re.compile(rf"[^\n#]*(?:(?<![ {_BLANK[1:]})#[^\n#]*)*")
+_IN_BRACKETS = re.compile(rf"[^\n,\[\]{{}}#]*(?:(?<![ {_BLANK[1:]})#[^\n,\[\]{{}}#]*)*")
 _FURTHEST_BACK = 200  # characters, to see what a text on the same line comes after
 
 _GREEK = (

@@ -134,6 +134,23 @@ class Document:
         kept = {place: words for place, words in self.overrides.items() if place[: len(path)] != path}
         return replace(self, data=data, overrides={**kept, path: origin})
 
+    def renamed(self, names: Mapping[Path, str]) -> Document:
+        """The document with other keys in place of those at some paths; what is there keeps its place in the file."""
+
+        def new(path: Path) -> Path:
+            return tuple(names.get(path[: n + 1], step) for n, step in enumerate(path))
+
+        def again(data: Data, path: Path) -> Data:
+            if isinstance(data, dict):
+                return {names.get((*path, key), key): again(value, (*path, key)) for key, value in data.items()}
+            return [again(item, (*path, n)) for n, item in enumerate(data)] if isinstance(data, list) else data
+
+        data = again(self.data, ())
+        assert isinstance(data, dict)
+        places = {new(path): place for path, place in self.places.items()}
+        overrides = {new(path): words for path, words in self.overrides.items()}
+        return replace(self, data=data, places=places, overrides=overrides)
+
     def _nearest(self, path: Path) -> tuple[Path, Place]:
         return next((path[:n], self.places[path[:n]]) for n in range(len(path), -1, -1) if path[:n] in self.places)
 

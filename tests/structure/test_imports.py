@@ -16,7 +16,7 @@ LONGEST_FILE = 350  # lines
 
 # A package may import those of the rows above its own, and itself.
 ORDER = (
-    {"diagnostics", "arrays"},
+    {"diagnostics", "arrays", "units"},
     {"spec", "notation"},
     {"basis"},
     {"hands", "objects"},
