@@ -5,33 +5,39 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
+from collections.abc import Mapping
 
-_TURN = math.pi / 180.0
-# The SI unit of each unit, and how many of those one is.
-UNITS: dict[str, tuple[str, float]] = {
-    **{"km": ("m", 1e3), "m": ("m", 1.0), "dm": ("m", 1e-1), "cm": ("m", 1e-2), "mm": ("m", 1e-3), "μm": ("m", 1e-6)},
-    **{"s": ("s", 1.0), "ms": ("s", 1e-3), "μs": ("s", 1e-6), "us": ("s", 1e-6)},
-    **{"kN": ("N", 1e3), "N": ("N", 1.0), "cN": ("N", 1e-2), "mN": ("N", 1e-3), "μN": ("N", 1e-6)},
-    **{"kg": ("kg", 1.0), "g": ("kg", 1e-3), "mg": ("kg", 1e-6)},
-    **dict.fromkeys(("metre", "metres", "meter", "meters"), ("m", 1.0)),
-    **dict.fromkeys(("in", "inch", "inches"), ("m", 0.0254)),
-    **dict.fromkeys(("ft", "foot", "feet"), ("m", 0.3048)),
-    **dict.fromkeys(("sec", "secs", "second", "seconds"), ("s", 1.0)),
-    **dict.fromkeys(("min", "mins", "minute", "minutes"), ("s", 60.0)),
-    **dict.fromkeys(("h", "hour", "hours"), ("s", 3600.0)),
-    **dict.fromkeys(("newton", "newtons"), ("N", 1.0)),
-    **dict.fromkeys(("Kg", "KG"), ("kg", 1.0)),
-    **dict.fromkeys(("lb", "lbs"), ("kg", 0.45359237)),
-    **dict.fromkeys(("rad", "radian", "radians"), ("rad", 1.0)),
-    **dict.fromkeys(("°", "deg", "degree", "degrees"), ("rad", _TURN)),
-    **{"mrad": ("rad", 1e-3), "Hz": ("Hz", 1.0), "kHz": ("Hz", 1e3), "%": ("1", 1e-2)},
-    **{"m/s": ("m/s", 1.0), "cm/s": ("m/s", 1e-2), "mm/s": ("m/s", 1e-3)},
-    **{"m/N": ("m/N", 1.0), "cm/N": ("m/N", 1e-2), "mm/N": ("m/N", 1e-3)},
-    **{"N/m": ("N/m", 1.0), "N/mm": ("N/m", 1e3), "N/cm": ("N/m", 1e2)},
-    **{"kg/m3": ("kg/m³", 1.0), "g/cm3": ("kg/m³", 1e3)},
-    **dict.fromkeys(("Nm", "N·m", "N*m", "N m"), ("N·m", 1.0)),
-    **dict.fromkeys(("mNm", "mN·m", "mN*m", "mN m", "Nmm", "N·mm", "N*mm"), ("N·m", 1e-3)),
+# By SI unit: what else people write, and how many of the SI unit that is.
+_SIZES: Mapping[str, Mapping[str, float]] = {
+    "m": {
+        "km": 1e3,
+        "m": 1.0,
+        "dm": 1e-1,
+        "cm": 1e-2,
+        "mm": 1e-3,
+        "μm": 1e-6,
+        "in": 0.0254,
+        "inch": 0.0254,
+        "ft": 0.3048,
+    }
+    | dict.fromkeys(("metre", "metres", "meter", "meters"), 1.0),
+    "s": {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "us": 1e-6, "min": 60.0, "h": 3600.0}
+    | dict.fromkeys(("sec", "secs", "second", "seconds"), 1.0)
+    | dict.fromkeys(("mins", "minute", "minutes"), 60.0),
+    "N": {"kN": 1e3, "N": 1.0, "cN": 1e-2, "mN": 1e-3, "μN": 1e-6, "newton": 1.0, "newtons": 1.0},
+    "kg": {"kg": 1.0, "Kg": 1.0, "KG": 1.0, "g": 1e-3, "mg": 1e-6, "lb": 0.45359237, "lbs": 0.45359237},
+    "rad": {"rad": 1.0, "mrad": 1e-3, "radian": 1.0, "radians": 1.0}
+    | dict.fromkeys(("°", "deg", "degree", "degrees"), math.pi / 180.0),
+    "N·m": dict.fromkeys(("Nm", "N·m", "N*m", "N m"), 1.0)
+    | dict.fromkeys(("mNm", "mN·m", "mN m", "Nmm", "N·mm"), 1e-3),
+    "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+    "m/N": {"m/N": 1.0, "cm/N": 1e-2, "mm/N": 1e-3},
+    "N/m": {"N/m": 1.0, "N/cm": 1e2, "N/mm": 1e3},
+    "kg/m³": {"kg/m3": 1.0, "g/cm3": 1e3},
+    "Hz": {"Hz": 1.0, "kHz": 1e3},
+    "1": {"%": 1e-2},
 }
+UNITS = {name: (unit, size) for unit, sizes in _SIZES.items() for name, size in sizes.items()}
 
 _PLAIN = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _NUMBER = re.compile(rf"({_PLAIN}) ?([^\s0-9.,].*)?")

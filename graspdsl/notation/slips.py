@@ -172,7 +172,7 @@ def _transform_unfinished(halt: Situation) -> str | None:
 def _stray_sign(halt: Situation) -> str | None:
     if halt.kind:
         return None
-    if halt.found in "+-&" and halt.previous[0] in "γ>" and halt.could_be("COMMA"):
+    if halt.previous.startswith(("γ", ">")) and halt.could_be("COMMA"):
         return "separate contacts with commas; those that act as one are written <γ2, γ3>"
     if halt.found == "_":
         return "a name begins with a letter, and “_” stands between its parts: φ_fr"

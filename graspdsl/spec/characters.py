@@ -38,21 +38,34 @@ _ON_THE_LINE = re.compile(rf"[^\n#]*(?:(?<![ {_BLANK[1:]})#[^\n#]*)*")
 _IN_BRACKETS = re.compile(rf"[^\n,\[\]{{}}#]*(?:(?<![ {_BLANK[1:]})#[^\n,\[\]{{}}#]*)*")
 _FURTHEST_BACK = 200  # characters, to see what a text on the same line comes after
 
-_GREEK = (
+_GREEK = re.findall(
+    r"\w+",
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma tau upsilon phi chi "
-    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
-).split()
+    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega",
+)
 # LaTeX commands in plain writing, which is shorter than the command with its backslash.
 _TEX = {
     **{name: name for name in _GREEK},
     **{f"var{name}": name for name in ("epsilon", "theta", "kappa", "pi", "rho", "sigma", "phi")},
-    **{"triangleleft": "<|", "lhd": "<|", "langle": "<", "rangle": ">", "mid": "|", "left": "", "right": ""},
+    **dict.fromkeys(("triangleleft", "lhd"), "<|"),
+    **dict.fromkeys(("left", "right"), ""),
+    "langle": "<",
+    "rangle": ">",
+    "mid": "|",
 }
 _ESCAPE = re.compile(rf"\\(?:({'|'.join(sorted(_TEX, key=len, reverse=True))})(?![A-Za-z])|.)", re.DOTALL)
 _IN_DOUBLE_QUOTES = re.compile(r'"((?:[^"\\]|\\.)*)', re.DOTALL)
 _ESCAPES = {
-    **{"a": "a bell", "b": "a backspace", "e": "an escape character", "f": "a form feed", "n": "a line break"},
-    **{"r": "a carriage return", "t": "a tab", "v": "a vertical tab", "L": "a line end", "P": "a line end"},
+    "a": "a bell",
+    "b": "a backspace",
+    "e": "an escape character",
+    "f": "a form feed",
+    "n": "a line break",
+    "r": "a carriage return",
+    "t": "a tab",
+    "v": "a vertical tab",
+    "L": "a line end",
+    "P": "a line end",
 }
 
 
@@ -110,7 +123,9 @@ class LenientScanner(Reader, Scanner):
 
     def scan_plain(self) -> ScalarToken:
         """A plain text up to a blank of any kind that YAML's signs follow, or that follows a key's colon."""
-        stretch = (_IN_BRACKETS if self.flow_level else _ON_THE_LINE).match(self.buffer, self.pointer, len(self.buffer) - 1)
+        stretch = (_IN_BRACKETS if self.flow_level else _ON_THE_LINE).match(
+            self.buffer, self.pointer, len(self.buffer) - 1
+        )
         if stretch and _BLANKS.search(stretch.group()):
             self._read_separators(stretch.end())
         scan: Callable[[], ScalarToken] = super().scan_plain

@@ -64,7 +64,9 @@ def _applied(document: Document, override: str) -> Document:
         else:
             hint = known_names_hint(names[0], document.data, "keys") if not path else None
             if isinstance(at, str):
-                hint = f"give the whole: --set '{'.'.join(names[:position])}={_whole(at, path, names[position:], text)}'"
+                hint = (
+                    f"give the whole: --set '{'.'.join(names[:position])}={_whole(at, path, names[position:], text)}'"
+                )
             message = f"{_said(path)} is {shown(at)}, which has nothing inside"
             raise _refused(origin, "unknown-path", message, hint)
     return document.with_value(path, value, origin)

@@ -90,7 +90,11 @@ def test_what_is_nowhere_seen_is_named_wherever_it_stands(before: str, character
     ("written", "message", "plainly"),
     [
         (r"\tau_gx|Γ Γ", r"'\t' is a tab in double quotes, so that this is no \tau", "tau_gx|Γ Γ"),
-        (r"\phi_f|\tau_f(\Gamma)", r"'\p' means nothing in double quotes, so that this is no \phi", "phi_f|tau_f(Gamma)"),
+        (
+            r"\phi_f|\tau_f(\Gamma)",
+            r"'\p' means nothing in double quotes, so that this is no \phi",
+            "phi_f|tau_f(Gamma)",
+        ),
         (r"\nu", r"'\n' is a line break in double quotes, so that this is no \nu", "nu"),
         (r"\rho", r"'\r' is a carriage return in double quotes, so that this is no \rho", "rho"),
         (r"\beta", r"'\b' is a backspace in double quotes, so that this is no \beta", "beta"),
