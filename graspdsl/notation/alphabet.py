@@ -57,6 +57,8 @@ def _hint(run: str) -> str:
     greek = next((character for character in run if character in LOOKALIKES), None)
     if greek:
         return f"{shown(greek)} only looks Greek: write {LOOKALIKES[greek]}"
+    if run[0] in "°º":
+        return "angles are in radians, and numbers bare: 1.5708 for 90°"
     if run[0] in _QUOTES:
         return "a formula holds no quotation marks; those of YAML around it are \" and '"
     if run[0] in "[]":

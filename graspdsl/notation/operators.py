@@ -53,12 +53,13 @@ def operator_faults(folded: str, written: str, brackets: Iterable[Fault]) -> lis
         if before[-1:] not in (")", "}", ">") and not before[-1:].isalnum():
             continue
         depth = {sign: before.count(sign) for sign in "(){}"}
-        inside = depth["("] > depth[")"] and sign == "," or depth["{"] > depth["}"]
+        inside = (depth["("] > depth[")"] and sign == ",") or depth["{"] > depth["}"]
         if inside or (sign == "|" and _NAME_OF_CONTROLLER.search(before)):
             continue
         hint = _hint(sign)
         if hint is not None:
-            message = f"there is no operator {shown(written[start:end])}"
+            operator = written[start:end]
+            message = f"there is no operator {f'“{operator}”' if operator.isascii() else shown(operator)}"
             faults.append(Fault(start, end, "unknown-operator", message, hint))
     return faults
 
