@@ -52,7 +52,7 @@ def operator_faults(folded: str, written: str, brackets: Iterable[Fault]) -> lis
         before = folded[:start].rstrip()
         if before[-1:] not in (")", "}", ">") and not before[-1:].isalnum():
             continue
-        depth = {sign: before.count(sign) for sign in "(){}"}
+        depth = {bracket: before.count(bracket) for bracket in "(){}"}
         inside = (depth["("] > depth[")"] and sign == ",") or depth["{"] > depth["}"]
         if inside or (sign == "|" and _NAME_OF_CONTROLLER.search(before)):
             continue

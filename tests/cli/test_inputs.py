@@ -178,7 +178,9 @@ def test_no_name_forges_a_line(words: tuple[str, ...], tmp_path: Path) -> None:
 def test_names_of_sound_specs_and_runs_forge_no_line(tmp_path: Path) -> None:
     folder = tmp_path / "x\nforged: ok"
     folder.mkdir()
-    (folder / "spec.yaml").write_text((ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml").read_text("utf-8"), encoding="utf-8")
+    (folder / "spec.yaml").write_text(
+        (ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml").read_text("utf-8"), encoding="utf-8"
+    )
     spec = f"{folder.name}/spec.yaml"
     answers = [
         graspdsl("validate", spec, cwd=tmp_path),
