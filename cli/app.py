@@ -12,7 +12,7 @@ import typer
 from graspdsl.cli.inputs import answering, judged, named, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
 from graspdsl.cli.words import Commands
-from graspdsl.diagnostics import has_errors
+from graspdsl.diagnostics import has_errors, on_one_line
 
 app = typer.Typer(
     name="graspdsl",
@@ -74,7 +74,7 @@ def validate(
             if not as_json:
                 complain(str(path), source, diagnostics, sys.stdout)
                 if not faulty:
-                    result(printable(f"{path}: ok"))
+                    result(on_one_line(f"{path}: ok"))
         if as_json:
             result_json({"files": files})
     raise typer.Exit(0 if every_one_sound else WRONG_INPUT)

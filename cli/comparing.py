@@ -12,6 +12,7 @@ from graspdsl.cli.inputs import reading
 from graspdsl.cli.messages import result, result_json, say, writable
 from graspdsl.cli.running import RUNS, opened
 from graspdsl.cli.tables import row, table, text_of
+from graspdsl.diagnostics import on_one_line
 from graspdsl.report.comparison import comparison
 from graspdsl.report.comparison_page import PAGE, write_comparison
 from graspdsl.report.comparison_tables import methods_of, tables_of
@@ -29,7 +30,7 @@ def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
         result_json({**numbers, "folder": str(place)})
     else:
         result(comparison_text(numbers))
-    say(f"report: {place / PAGE}")
+    say(f"report: {on_one_line(str(place / PAGE))}")
 
 
 def comparison_text(numbers: dict[str, Any]) -> str:
@@ -38,7 +39,7 @@ def comparison_text(numbers: dict[str, Any]) -> str:
         ", ".join([f"{number}: {run['name']}", *run["settings"], f"seed {run['seed']}", run["run"]])
         for number, run in enumerate(numbers["runs"], 1)
     ]
-    parts: list[RenderableType] = [Text(writable(head), overflow="fold") for head in heads]
+    parts: list[RenderableType] = [Text(writable(on_one_line(head)), overflow="fold") for head in heads]
     for made in tables_of(numbers):
         side = table(made.title, *made.columns)
         for cells in made.rows:

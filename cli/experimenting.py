@@ -14,7 +14,7 @@ from graspdsl.cli.messages import result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
 from graspdsl.report.claim_words import MARKS
 from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
@@ -104,7 +104,7 @@ def run_experiments(asked: Asked) -> int:
         result_json({"run": str(whole), "claims": as_data(claims)})
     else:
         result(_text(claims))
-    say(f"report: {page}")
+    say(f"report: {on_one_line(str(page))}")
     return 0
 
 

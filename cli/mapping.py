@@ -12,10 +12,11 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading, sound
-from graspdsl.cli.messages import INTERRUPTED, printable, result, result_json, say
+from graspdsl.cli.messages import INTERRUPTED, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, opened
 from graspdsl.cli.tables import reasons_table, row, table, text_of
 from graspdsl.compiler.program import Program, program_of
+from graspdsl.diagnostics import on_one_line
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
 from graspdsl.report.map_files import FILES, write_map
 from graspdsl.report.wording import percent
@@ -176,10 +177,10 @@ def _text(numbers: dict[str, Any]) -> str:
     if numbers["feasible"]:
         share = f"{percent(good['share'])} (95 % interval {percent(low)} to {percent(high)})"
         whole = f"{good['count']} of {numbers['feasible']} feasible starts converged: {share}"
-    where = printable(numbers["run"])
+    where = on_one_line(numbers["run"])
     foot: list[RenderableType] = [
         "",
         whole,
         Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
     ]
-    return text_of([*head, "", listed, *why, *foot], f"  {printable(numbers['command'])}")
+    return text_of([*head, "", listed, *why, *foot], f"  {numbers['command']}")

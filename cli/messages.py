@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import os
 import sys
-import unicodedata
 from collections.abc import Iterable, Mapping
 from typing import Any, TextIO
 
 from graspdsl.cli.encoding import SPELL_OUT, install
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text, has_errors
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text, has_errors, steers
 
 WRONG_INPUT, INTERRUPTED = 1, 130
 _COLOURS = {Severity.ERROR: "\x1b[1;31m", Severity.WARNING: "\x1b[1;33m"}
@@ -30,7 +29,7 @@ def prepare_streams() -> None:
 
 
 def say(text: str) -> None:
-    """A message, on stderr."""
+    """A message, on stderr. Names that a user gave must have been put on one line before."""
     write(sys.stderr, f"{printable(text)}\n")
 
 
@@ -46,7 +45,7 @@ def result_json(value: Mapping[str, Any]) -> None:
     """A result as one JSON document, on stdout."""
     unicode = (sys.stdout.encoding or "").lower().startswith("utf")
     text = json.dumps(value, ensure_ascii=not unicode, indent=2, allow_nan=False)
-    result("".join(json.dumps(c)[1:-1] if c != "\n" and _steers(c) else c for c in text))
+    result("".join(json.dumps(c)[1:-1] if c != "\n" and steers(c) else c for c in text))
 
 
 def write(stream: TextIO, text: str) -> OSError | None:
@@ -69,12 +68,7 @@ def printable(text: str) -> str:
     """The text with control characters replaced, so that the name of a file cannot steer a terminal."""
     if text.isprintable():
         return text
-    return "".join("\ufffd" if c not in "\t\n" and _steers(c) else c for c in text)
-
-
-def _steers(character: str) -> bool:
-    """Whether a character is not shown but acted upon, or stands for a byte that is no text."""
-    return unicodedata.category(character) in {"Cc", "Cf", "Cs"}
+    return "".join("\ufffd" if c not in "\t\n" and steers(c) else c for c in text)
 
 
 def writable(text: str) -> str:

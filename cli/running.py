@@ -12,7 +12,7 @@ from graspdsl.cli.messages import INTERRUPTED, complain, result, result_json, sa
 from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
@@ -70,7 +70,7 @@ def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -
         manifest = folder.manifest
         what = f"{manifest.asked} {'trial' if manifest.asked == 1 else 'trials'}, seed {manifest.seed}"
         state = f", {len(finished)} finished before" if finished else ""
-        say(f"{manifest.name}: {what}{state} → {folder.path}")
+        say(f"{manifest.name}: {what}{state} → {on_one_line(str(folder.path))}")
         try:
             with TrialProgress(manifest.asked, finished) as progress:
                 execute(folder, workers, progress.advance, finished)
@@ -97,7 +97,7 @@ def show(folder: RunFolder, as_json: bool) -> None:
     if differs := departure(evidence.program):
         say(f"the chapter's claims about {folder.manifest.name} are not asked of this run: {differs}")
     try:
-        say(f"report: {page_of(evidence)}")
+        say(f"report: {on_one_line(str(page_of(evidence)))}")
     except DiagnosticError as error:
         told = [replace(diagnostic, severity=Severity.WARNING) for diagnostic in error.diagnostics]
         complain(str(folder.path), "", told)
@@ -121,4 +121,4 @@ def frames_of(evidence: Evidence) -> dict[str, bytes]:
 
 
 def _kept(command: Sequence[str]) -> str:
-    return f"finished trials are kept. To go on:\n  {shlex.join(['graspdsl', *command])}"
+    return f"finished trials are kept. To go on:\n  {on_one_line(shlex.join(['graspdsl', *command]))}"

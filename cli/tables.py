@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
+from graspdsl.diagnostics import on_one_line
 from graspdsl.report.statistics import wilson
 from graspdsl.report.wording import conditions, counted, feasible, millimetres, number, percent, quantiles
 
@@ -41,7 +42,7 @@ def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
     for part in parts:
         console.print(_Printable(part))
     if unwrapped:
-        console.print(Text(printable(unwrapped)), soft_wrap=True)
+        console.print(Text(on_one_line(unwrapped)), soft_wrap=True)
     return text.getvalue().rstrip("\n")
 
 
@@ -85,7 +86,7 @@ def table(title: str, *columns: str, words: bool = False) -> Table:
 
 def row(to: Table, *cells: str) -> None:
     """Add a row of texts to a table."""
-    to.add_row(*map(writable, cells))
+    to.add_row(*(writable(on_one_line(cell)) for cell in cells))
 
 
 def _outcomes(numbers: Numbers) -> Table:
@@ -207,7 +208,7 @@ def _foot(numbers: Numbers) -> list[RenderableType]:
     return [
         "",
         f"Simulated {number(numbers['world_s'], 's', 0)} in {number(numbers['wall_s'], 's', 1)}.",
-        Text(f"The run is in {numbers['run']}; to repeat it:", overflow="fold"),
+        Text(f"The run is in {on_one_line(numbers['run'])}; to repeat it:", overflow="fold"),
     ]
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from graspdsl.cli.inputs import InputError, reading
-from graspdsl.cli.messages import complain, printable, result, say
+from graspdsl.cli.messages import complain, result, say
 from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
-from graspdsl.diagnostics import Diagnostic, known_names_hint
+from graspdsl.diagnostics import Diagnostic, known_names_hint, on_one_line
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
 from graspdsl.objects.bodies import body_in
@@ -160,7 +160,7 @@ def _film(place: Path, replay: Replay) -> None:
     ends = np.arange(0.0, float(replay.rows["time"][-1]), 1.0 / FILM_RATE)
     ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
     draft = _draft(place)
-    say(f"a film of {len(ticks)} pictures → {place}")
+    say(f"a film of {len(ticks)} pictures → {on_one_line(str(place))}")
     try:
         film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
         film.send(None)
@@ -174,7 +174,7 @@ def _film(place: Path, replay: Replay) -> None:
         raise _not_writable(place, error.strerror or "the film maker gave up") from None
     finally:
         draft.unlink(missing_ok=True)
-    result(printable(str(place)))
+    result(on_one_line(str(place)))
 
 
 def _draft(place: Path) -> Path:
@@ -209,7 +209,7 @@ def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
             raise InputError(str(folder), "", [fault]) from None
         replace(folder, pictures)
     for name in pictures:
-        result(printable(str(folder / name)))
+        result(on_one_line(str(folder / name)))
 
 
 def _needs_display(name: str) -> None:

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 MOST_NAMED = 40  # names in a hint
+# What is not shown but acted upon, or stands for a byte that is no text: control and format characters, line ends.
+_UNSEEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -117,9 +119,9 @@ def in_reading_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...
     return tuple(sorted(dict.fromkeys(diagnostics), key=lambda d: (d.span or start_of_file, d.code, d.message)))
 
 
-def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+def nearest(name: str, known: Iterable[str], count: int = 3, likeness: float = 0.6) -> list[str]:
     """The known names that look most like ``name``, best first; empty when none comes close."""
-    return difflib.get_close_matches(name, list(known), n=count, cutoff=0.6)
+    return difflib.get_close_matches(name, list(known), n=count, cutoff=likeness)
 
 
 def listed(names: Iterable[str], joint: str = "and") -> str:
@@ -142,6 +144,16 @@ def known_names_hint(name: str, known: Iterable[str], what: str) -> str:
     return f"known {what}: {', '.join(known[:MOST_NAMED])}{more}"
 
 
+def steers(character: str) -> bool:
+    """Whether a terminal would act upon a character, or break its line there, rather than show it."""
+    return unicodedata.category(character) in _UNSEEN
+
+
+def on_one_line(text: str) -> str:
+    """The text with what steers a terminal replaced, line breaks too, so that a name can forge no line."""
+    return text if text.isprintable() else "".join("\ufffd" if steers(c) else c for c in text)
+
+
 def _cells(text: str) -> int:
     """How many terminal cells the text takes (wide characters take two, combining marks none)."""
     return sum(
@@ -161,8 +173,7 @@ def excerpt(span: Span, source: str, width: int = 120) -> tuple[str, str, str] |
     if not 1 <= span.line <= len(lines):
         return None
     line = lines[span.line - 1].rstrip("\r")
-    line = "".join("\ufffd" if unicodedata.category(c) in {"Cc", "Cf"} and c != "\t" else c for c in line)
-    line = line.replace("\t", " ")
+    line = on_one_line(line.replace("\t", " "))
     start = min(span.column - 1, len(line))
     end = span.end_column - 1 if span.end_line == span.line else len(line)
     end = max(end, start + 1)
@@ -179,12 +190,12 @@ def as_text(diagnostic: Diagnostic, file: str, source: str = "") -> str:
     """A complaint in plain text: ``file:line:column: error[code]: message``, the line, carets, the hint."""
     span = diagnostic.span
     place = f"{file}:{span.line}:{span.column}" if span else file
-    rows = [f"{place}: {diagnostic.severity.value}[{diagnostic.code}]: {diagnostic.message}"]
+    rows = [on_one_line(f"{place}: {diagnostic.severity.value}[{diagnostic.code}]: {diagnostic.message}")]
     shown = excerpt(span, source) if span else None
     if shown:
         number, line, carets = shown
         margin = " " * len(number)
         rows += [f"  {number} | {line}", f"  {margin} | {carets}"]
     if diagnostic.hint:
-        rows.append(f"  hint: {diagnostic.hint}")
+        rows.append(on_one_line(f"  hint: {diagnostic.hint}"))
     return "\n".join(rows)

@@ -21,12 +21,14 @@ from graspdsl.spec.wording import shortened
 from graspdsl.worlds.kinds import WORLDS
 
 
-def file_hint(name: str) -> str | None:
+def file_hint(name: str, on_command_line: bool = False) -> str | None:
     """How the file that an object's name looks like is given as an object; None for any other name."""
-    suffix = PurePosixPath(name).suffix.lower()
-    if suffix == ".urdf":
-        return f"for a file write object: {{urdf: {shortened(name)}}}"
-    return f"for a file write object: {{mesh: {{file: {shortened(name)}}}}}" if suffix in SUFFIXES else None
+    suffix, known = PurePosixPath(name).suffix.lower(), (".urdf", *SUFFIXES)
+    if suffix not in known:
+        return f"the file of an object is one of {', '.join(known)}" if suffix or "/" in name else None
+    file = f"{{urdf: {shortened(name)}}}" if suffix == ".urdf" else f"{{mesh: {{file: {shortened(name)}}}}}"
+    written = f"--set 'scene.object={file}'" if on_command_line else f"object: {file}"
+    return f"for a file write {written}"
 
 
 def found_object(

@@ -35,6 +35,7 @@ from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.spec.constructing import Path
+from graspdsl.spec.document import Document
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
@@ -134,12 +135,23 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
         check_sensing(spec, document, check.robot, complaints)
         if thing is not None and check.robot.hand.urdf and not WORLDS[spec.scene.world].floats:
             check_sizes(spec, check.robot, thing[0], document, complaints)
-    diagnostics = in_reading_order([*faults, *complaints.found])
+    diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
     body, object_files = thing
     files = (*hand_files.files, *object_files)
     return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases, body, files), diagnostics)
+
+
+# What is complained of when the section that declares it cannot be read, which has had its complaint.
+_DECLARED_IN = {"unknown-resource": "resources", "unknown-controller": "controllers", "missing-parameter": "parameters"}
+
+
+def _own(found: Iterable[Diagnostic], document: Document) -> list[Diagnostic]:
+    """The complaints that do not follow from a section that is missing or no mapping."""
+    unread = {name for name in _DECLARED_IN.values() if not isinstance(document.data.get(name, {}), dict)}
+    unread |= {"resources"} - document.data.keys()
+    return [diagnostic for diagnostic in found if _DECLARED_IN.get(diagnostic.code) not in unread]
 
 
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
@@ -226,7 +238,11 @@ class _ProgramCheck:
         if name is None or name.text in known:
             return True
         self._complaints.about(path)
-        hint = (file_hint(name.text) if what == "object" else None) or known_names_hint(name.text, known, f"{what}s")
+        document = self._declarations.document
+        given = document is not None and document.origin(path) is not None
+        hint = (file_hint(name.text, given) if what == "object" else None) or known_names_hint(
+            name.text, known, f"{what}s"
+        )
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 

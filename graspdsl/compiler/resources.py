@@ -13,6 +13,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_resources
 from graspdsl.notation.printer import to_unicode
+from graspdsl.notation.slips import resource_slip
 from graspdsl.notation.tree import Name, Resource, Resources, Virtual
 from graspdsl.spec.constructing import Path
 
@@ -211,7 +212,8 @@ class ResourceTable:
                 "unknown-resource",
                 f"there is no resource {name.text}",
                 name.span,
-                known_names_hint(name.text, self._declared.keys() | self._meant.keys(), "resources"),
+                resource_slip(name.text)
+                or known_names_hint(name.text, self._declared.keys() | self._meant.keys(), "resources"),
             )
             return None
         if name.text in self._open:
@@ -285,11 +287,12 @@ class ResourceTable:
     def _virtual(self, tree: Virtual) -> ContactResource | None:
         if len(tree.members) < 2:
             empty = not tree.members
+            meant = resource_slip(tree.members[0].text) if tree.members and isinstance(tree.members[0], Name) else None
             self._complaints.error(
                 "empty-virtual-contact" if empty else "single-virtual-contact",
                 f"a virtual contact {'without members' if empty else 'with one member'}",
                 tree.span,
-                "a virtual contact joins at least two contacts, <γ2, γ3>",
+                meant or "a virtual contact joins at least two contacts, <γ2, γ3>",
             )
             return None
         members = self._each(tree.members)

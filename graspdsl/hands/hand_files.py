@@ -12,7 +12,7 @@ from graspdsl.hands.mesh_check import check_mesh
 from graspdsl.hands.robot_model import RobotModel, robot_model
 from graspdsl.hands.urdf_check import undrawn
 from graspdsl.spec.document import Document, parse_document
-from graspdsl.spec.files import SIZE_LIMIT
+from graspdsl.spec.files import SIZE_LIMIT, with_plain_line_ends
 from graspdsl.spec.mesh_places import MeshPlaces
 from graspdsl.spec.named_files import SpecFolder, refusal
 from graspdsl.spec.validation import validate_document
@@ -51,7 +51,7 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
     if len(content) > SIZE_LIMIT:
         message = f"{name} is too large: {len(content)} bytes, where a hand file may have {SIZE_LIMIT}"
         raise refusal("file-too-large", message, "check that this is the file you meant")
-    text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
+    text = with_plain_line_ends(content.decode("utf-8", errors="replace"))
     try:
         document = parse_document(text, name)
         hand = validate_document(document, Hand)

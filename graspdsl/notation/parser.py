@@ -12,6 +12,7 @@ from graspdsl.notation.builder import Builder
 from graspdsl.notation.characters import fold
 from graspdsl.notation.expectation import syntax_fault
 from graspdsl.notation.fault import Fault
+from graspdsl.notation.operators import operator_faults
 from graspdsl.notation.situation import Situation
 from graspdsl.notation.syntax import Halt, Start, read
 from graspdsl.notation.tree import Expression, Head, Resources
@@ -57,13 +58,14 @@ def _syntax(text: SourceText | str, start: Start) -> tuple[SourceText, Tree[Toke
     if whole:
         raise _error([whole], source)
     brackets = bracket_faults(folded)
-    faults = foreign_characters(folded, written) + brackets
+    operators = operator_faults(folded, written, brackets) if start == "expression" else []
+    faults = operators + _outside(operators, foreign_characters(folded, written) + brackets)
     if not faults:
         node = read(folded, start)
         if not isinstance(node, Halt):
             return source, node
         faults = [syntax_fault(Situation.of(node, folded, written, start))]
-    if start == "expression" and not brackets:
+    if start == "expression" and not _outside(operators, brackets):
         faults += _faults_of_terms(folded, written, faults)
     raise _error(faults, source)
 
@@ -93,6 +95,11 @@ def _faults_of_terms(folded: str, written: str, known: list[Fault]) -> list[Faul
             term = Situation.of(halt, folded[begin:end], written[begin:end], "expression")
             faults.append(syntax_fault(term).shifted(begin))
     return faults
+
+
+def _outside(known: list[Fault], others: list[Fault]) -> list[Fault]:
+    """The other faults, without those about something of which a fault is known."""
+    return [other for other in others if not any(fault.start <= other.start < fault.end for fault in known)]
 
 
 def _error(faults: Iterable[Fault], source: SourceText) -> DiagnosticError:

@@ -11,9 +11,12 @@ from collections.abc import Callable
 from graspdsl.notation.names import canonical
 from graspdsl.notation.situation import Situation
 from graspdsl.notation.syntax import ROLES
+from graspdsl.units import number_meant
 
 _HEADS = {"POTENTIAL": "φ", "EFFECTOR": "τ", "SENSOR": "σ", "ABBREVIATION": "π"}
 _SPELT_HEADS = {"φ": "φ", "phi": "φ", "τ": "τ", "tau": "τ", "σ": "σ", "sigma": "σ", "π": "π", "pi": "π"}
+_GRAVITY = {"γ", "γg", "γ_g", "grav", "gravity", "gravitation"}
+_CONTACTS = re.compile(r"[γΓ]_?([1-9](?:[,_γ]*[1-9])+)")
 # "pi" begins many a word (pinch); the other heads hardly any.
 _SPELT = re.compile(r"([φτσπ]|phi|tau|sigma|pi(?![a-z]))_*(.*)")
 
@@ -21,6 +24,18 @@ _SPELT = re.compile(r"([φτσπ]|phi|tau|sigma|pi(?![a-z]))_*(.*)")
 def hint(halt: Situation) -> str:
     """What would be right."""
     return next(filter(None, (slip(halt) for slip in SLIPS)))
+
+
+def resource_slip(name: str) -> str | None:
+    """What would be right for the canonical name of a resource that is none: γ_g for gravity, <γ2, γ3> for γ23."""
+    if name != "Γ" and name.casefold() in _GRAVITY:
+        return "gravity is written γ_g"
+    contacts = _CONTACTS.fullmatch(name)
+    members = [f"γ{digit}" for digit in re.findall("[1-9]", contacts.group(1))] if contacts else []
+    if len(members) < 2 or len(set(members)) < len(members):
+        return None
+    virtual, short = f"<{', '.join(members)}>", "γ" + "".join(member[1:] for member in members)
+    return f'contacts that act as one are written {virtual}; to name them, declare {short}: "{virtual}" in resources'
 
 
 def _then_in_capitals(halt: Situation) -> str | None:
@@ -82,6 +97,11 @@ def _hyphen_in_name(halt: Situation) -> str | None:
     if after_word and halt.found.startswith(("-", "−")) and not halt.could_be("NUMBER"):
         return "a name in a formula has no hyphen: use _"
     return None
+
+
+def _unit_behind_number(halt: Situation) -> str | None:
+    meant = number_meant(f"{halt.previous} {halt.found}") if halt.kind == "NAME" and halt.previous else None
+    return f"numbers are bare, in SI units: {meant[0]:.6g}" if meant else None
 
 
 def _missing_comma(halt: Situation) -> str | None:
@@ -152,6 +172,8 @@ def _transform_unfinished(halt: Situation) -> str | None:
 def _stray_sign(halt: Situation) -> str | None:
     if halt.kind:
         return None
+    if halt.previous.startswith(("γ", ">")) and halt.could_be("COMMA"):
+        return "separate contacts with commas; those that act as one are written <γ2, γ3>"
     if halt.found == "_":
         return "a name begins with a letter, and “_” stands between its parts: φ_fr"
     return "a sign or a point belongs to a number, without space between: -0.5"
@@ -178,6 +200,7 @@ SLIPS: tuple[Callable[[Situation], str | None], ...] = (
     _missing_bar,
     _hyphen_in_name,
     _lone_argument,
+    _unit_behind_number,
     _missing_comma,
     _resources_without_set,
     _set_in_set,

@@ -18,11 +18,10 @@ from yaml.events import (
 )
 from yaml.nodes import Node, ScalarNode, SequenceNode
 from yaml.parser import Parser
-from yaml.reader import Reader
 from yaml.resolver import BaseResolver
-from yaml.scanner import Scanner
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.spec.characters import LenientScanner, refuse_forbidden
 from graspdsl.spec.positions import Lines
 from graspdsl.spec.syntax_faults import syntax_fault
 from graspdsl.spec.wording import shortened
@@ -45,8 +44,6 @@ _TAGS: dict[type[Event], str] = {
     SequenceStartEvent: f"{_STANDARD}seq",
     MappingStartEvent: f"{_STANDARD}map",
 }
-# Control characters, other line ends than \n, halves of surrogate pairs and the like.
-_FORBIDDEN = re.compile("[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def too_many_nodes(lines: Lines, start: int, end: int) -> DiagnosticError:
@@ -67,23 +64,21 @@ def kind_of(text: str) -> str:
     return next((kind for kind, pattern in _KINDS.items() if pattern.fullmatch(text)), "str")
 
 
-def compose(lines: Lines) -> tuple[Node | None, list[Diagnostic]]:
-    """The root node of a YAML text (None when it is empty), and complaints about its tags.
+def compose(lines: Lines) -> tuple[Node | None, Lines, list[Diagnostic]]:
+    """The root node of a YAML text (None when it is empty), the text as it was read, and complaints about it.
 
-    The tag of every node is its kind: ``str``, ``int``, ``float``, ``bool``, ``null``, ``list`` or ``map``.
+    The tag of every node is its kind: ``str``, ``int``, ``float``, ``bool``, ``null``, ``list`` or ``map``. The
+    complaints are those that did not keep the text from being read: about its characters and its tags.
     Raises :class:`DiagnosticError` when the text is not one well-formed YAML document within the bounds.
     """
-    bad = _FORBIDDEN.search(lines.text)
-    if bad:
-        message = f"the character U+{ord(bad.group()):04X} cannot stand in a YAML file"
-        hint = "is this a binary file?" if "\0" in lines.text else "remove it"
-        raise DiagnosticError([Diagnostic("bad-character", message, lines.span(*bad.span()), hint)])
+    refuse_forbidden(lines)
     # PyYAML's C parser has the same marks but other words for its complaints, and is not always there.
     composer = _BoundedComposer(lines)
     try:
-        return composer.get_single_node(), composer.faults
+        node = composer.get_single_node()
+        return node, Lines(composer.as_read) if composer.faults else lines, composer.faults
     except MarkedYAMLError as error:
-        raise DiagnosticError([syntax_fault(error, lines)]) from None
+        raise DiagnosticError([*composer.faults, syntax_fault(error, Lines(composer.as_read))]) from None
     except (ValueError, OverflowError):
         # An escape beyond Unicode or a directive with a huge number.
         start = composer.get_mark().index
@@ -99,17 +94,14 @@ def _offset(mark: _Mark | None) -> int:
     return mark.index if mark else 0
 
 
-class _BoundedComposer(Reader, Scanner, Parser, Composer, BaseResolver):
+class _BoundedComposer(LenientScanner, Parser, Composer, BaseResolver):
     """PyYAML's composer over an event stream that stops at the bounds."""
 
     def __init__(self, lines: Lines) -> None:
-        Reader.__init__(self, lines.text)
-        Scanner.__init__(self)
+        LenientScanner.__init__(self, lines)
         Parser.__init__(self)
         Composer.__init__(self)
         BaseResolver.__init__(self)
-        self.faults: list[Diagnostic] = []
-        self._lines = lines
         self._depth = 0
         self._nodes = 0
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
 from graspdsl.spec.composing import DEPTH_LIMIT, NODE_LIMIT, too_deep, too_many_nodes
 from graspdsl.spec.positions import Lines, Piece
+from graspdsl.spec.scalars import source_text
 from graspdsl.spec.wording import Data, quoted, shortened
 
 Path = tuple[str | int, ...]
@@ -17,7 +18,7 @@ Path = tuple[str | int, ...]
 _NUMBER_WIDTH = 100  # characters; longer ones are slips, and slow to convert
 _KIND_WORDS = {"null": "nothing", "bool": "a truth value", "int": "a number", "float": "a number"}
 # What an escape can bring in: control characters and halves of surrogate pairs.
-_CONTROL = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\ud800-\\udfff]")
+_CONTROL = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u2028\\u2029\\ud800-\\udfff]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +101,12 @@ class Constructor:
         text = str(node.value)
         bad = _CONTROL.search(text)
         if bad:
+            line, column = source_text(self._lines, piece).places[bad.start()]
             message = f"the text holds the control character U+{ord(bad.group()):04X}"
-            hint = "remove the escape that stands for it; in single quotes a backslash is just a backslash"
-            self._fault("bad-character", message, piece, path, hint)
-            return ""
+            hint = "remove it; in single quotes a backslash is just a backslash"
+            span = Span(line, column, line, column + 2)
+            self.faults.append((path, Diagnostic("bad-character", message, span, hint)))
+            return None
         if node.tag in ("int", "float"):
             if len(text) > _NUMBER_WIDTH:
                 message = f"this number has {len(text)} characters"
@@ -166,7 +169,7 @@ class Constructor:
             self._fault("key-not-text", message, piece, path, hint)
             return None
         name = self._scalar(node, piece, path)
-        return str(name)
+        return None if name is None else str(name)
 
     def _set_hint(self, mapping: MappingNode) -> str | None:
         """The hint for what looks like a set of resources that lacks its quotes."""

@@ -134,6 +134,23 @@ class Document:
         kept = {place: words for place, words in self.overrides.items() if place[: len(path)] != path}
         return replace(self, data=data, overrides={**kept, path: origin})
 
+    def renamed(self, names: Mapping[Path, str]) -> Document:
+        """The document with other keys in place of those at some paths; what is there keeps its place in the file."""
+
+        def new(path: Path) -> Path:
+            return tuple(names.get(path[: n + 1], step) for n, step in enumerate(path))
+
+        def again(data: Data, path: Path) -> Data:
+            if isinstance(data, dict):
+                return {names.get((*path, key), key): again(value, (*path, key)) for key, value in data.items()}
+            return [again(item, (*path, n)) for n, item in enumerate(data)] if isinstance(data, list) else data
+
+        data = again(self.data, ())
+        assert isinstance(data, dict)
+        places = {new(path): place for path, place in self.places.items()}
+        overrides = {new(path): words for path, words in self.overrides.items()}
+        return replace(self, data=data, places=places, overrides=overrides)
+
     def _nearest(self, path: Path) -> tuple[Path, Place]:
         return next((path[:n], self.places[path[:n]]) for n in range(len(path), -1, -1) if path[:n] in self.places)
 
@@ -141,17 +158,17 @@ class Document:
 Faults = list[tuple[Path | None, Diagnostic]]
 
 
-def parse_value(lines: Lines) -> tuple[Data, Mapping[Path, Place], Faults]:
-    """Any YAML value, the places in it, and its faults with their paths (None for none in particular).
+def parse_value(lines: Lines) -> tuple[Data, Lines, Mapping[Path, Place], Faults]:
+    """Any YAML value, the text as it was read, the places in it, and its faults with their paths (None for none).
 
     Raises :class:`DiagnosticError` when the text cannot be read as one value.
     """
-    node, tag_faults = compose(lines)
+    node, lines, text_faults = compose(lines)
     if node is None:
-        return None, {(): Place(Piece(0, 0))}, []
+        return None, lines, {(): Place(Piece(0, 0))}, [(None, fault) for fault in text_faults]
     constructor = Constructor(lines)
     data = constructor.build(node)
-    return data, constructor.places, [*((None, fault) for fault in tag_faults), *constructor.faults]
+    return data, lines, constructor.places, [*((None, fault) for fault in text_faults), *constructor.faults]
 
 
 def parse_with_faults(text: str, name: str) -> tuple[Document, Faults]:
@@ -162,8 +179,7 @@ def parse_with_faults(text: str, name: str) -> tuple[Document, Faults]:
     size = len(text.encode("utf-8", errors="surrogatepass"))
     if size > SIZE_LIMIT:
         raise too_large(size)
-    lines = Lines(with_plain_line_ends(text))
-    data, places, faults = parse_value(lines)
+    data, lines, places, faults = parse_value(Lines(with_plain_line_ends(text)))
     if data is None:
         empty = Diagnostic("empty-file", "there is nothing in this file", hint="begin with: graspdsl: 1")
         raise DiagnosticError([empty])

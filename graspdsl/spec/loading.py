@@ -14,7 +14,7 @@ from graspdsl.spec.document import Document, parse_with_faults
 from graspdsl.spec.files import read_text
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
-from graspdsl.spec.validation import validation_faults
+from graspdsl.spec.validation import validation_faults, with_known_keys
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,8 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> tuple[Docu
     """
     document, reading_faults = parse_with_faults(text, name)
     document, faults = apply_overrides(document, overrides)
-    faults += [fault for _, fault in reading_faults]
+    document, key_faults = with_known_keys(document, Spec)
+    faults += [*(fault for _, fault in reading_faults), *key_faults]
     try:
         return document, Spec.model_validate(document.data), faults
     except ValidationError as error:

@@ -105,6 +105,8 @@ def _kept_as(name: str) -> Path:
 
 
 def _looked_in(name: str) -> str | None:
+    if name.startswith("~"):
+        return "~ stands for no folder here: write the whole path"
     return None if Path(name).is_absolute() else "a relative path starts at the folder of the spec"
 
 

@@ -9,7 +9,10 @@ from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document, parse_value
 from graspdsl.spec.files import SIZE_LIMIT
 from graspdsl.spec.positions import Lines
+from graspdsl.spec.scene import FILES, SHAPES, InlineObject
 from graspdsl.spec.wording import Data, shortened, shown
+
+_OF_ANY_OBJECT = InlineObject.model_fields.keys() - {*SHAPES, *FILES, "like"}
 
 
 def apply_overrides(document: Document, overrides: Sequence[str]) -> tuple[Document, list[Diagnostic]]:
@@ -60,9 +63,19 @@ def _applied(document: Document, override: str) -> Document:
                 at = at.get(name)
         else:
             hint = known_names_hint(names[0], document.data, "keys") if not path else None
+            if isinstance(at, str):
+                hint = (
+                    f"give the whole: --set '{'.'.join(names[:position])}={_whole(at, path, names[position:], text)}'"
+                )
             message = f"{_said(path)} is {shown(at)}, which has nothing inside"
             raise _refused(origin, "unknown-path", message, hint)
     return document.with_value(path, value, origin)
+
+
+def _whole(name: str, path: Path, names: Sequence[str], text: str) -> str:
+    """The mapping to give instead of a name, with what was to be set inside it."""
+    like = f"like: {shortened(name)}, " if path == ("scene", "object") and names[0] in _OF_ANY_OBJECT else ""
+    return f"{{{like}{': {'.join(names)}: {shortened(text)}{'}' * len(names)}"
 
 
 def _said(path: Path) -> str:
@@ -73,7 +86,7 @@ def _value(text: str, origin: str) -> Data:
     if len(text) > SIZE_LIMIT:
         raise _refused(origin, "file-too-large", "the value is too long", None)
     try:
-        value, _, faults = parse_value(Lines(text))
+        value, _, _, faults = parse_value(Lines(text))
     except DiagnosticError as error:
         found = error.diagnostics
     else:

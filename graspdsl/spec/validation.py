@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -16,6 +17,7 @@ from graspdsl.spec.document import Document
 from graspdsl.spec.fields import FORM
 from graspdsl.spec.model_paths import Slot, slot
 from graspdsl.spec.wording import Data, as_yaml, quoted, shortened, shown
+from graspdsl.units import number_meant
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -38,6 +40,10 @@ _BOUNDS = {
     "less_than_equal": ("le", "of at most"),
 }
 _UNIT_HINTS = {"m": "lengths are in metres", "rad": "angles are in radians"}
+MISSPELT = 0.65  # the likeness from which a key is read as another that is absent
+_COUNTED = re.compile(r"([0-9]+(?:\.[0-9]+)?) [^\W\d_]")  # with a unit of no other kind, as in 58 trials
+_LIKE_A_FILE = re.compile(r"[/\\]|\.[a-z]{2,5}\Z", re.IGNORECASE)
+_ODD_QUOTES = "“”„«»‘’"
 _LENGTHS = {
     "too_short": ("min_length", "at least"),
     "too_long": ("max_length", "at most"),
@@ -51,11 +57,37 @@ def validate_document(document: Document, model: type[M]) -> M:
 
     Raises :class:`DiagnosticError` with every fault of the document, in reading order.
     """
+    document, faults = with_known_keys(document, model)
     try:
-        return model.model_validate(document.data)
+        valid = model.model_validate(document.data)
     except ValidationError as error:
-        faults = validation_faults(error, document, model)
-    raise DiagnosticError(in_reading_order(fault for _, fault in faults))
+        faults += [fault for _, fault in validation_faults(error, document, model)]
+    if faults:
+        raise DiagnosticError(in_reading_order(faults))
+    return valid
+
+
+def with_known_keys(document: Document, model: type[BaseModel]) -> tuple[Document, list[Diagnostic]]:
+    """The document with known keys in place of misspelt ones, so that nothing follows from these; and their faults."""
+    names: dict[Path, str] = {}
+    faults: list[Diagnostic] = []
+    waiting: list[tuple[Path, Data]] = [((), document.data)]
+    while waiting:
+        path, data = waiting.pop()
+        if isinstance(data, list):
+            waiting += [((*path, number), item) for number, item in enumerate(data)]
+        if not isinstance(data, dict):
+            continue
+        waiting += [((*path, key), value) for key, value in data.items()]
+        around = slot(model, path)
+        absent = around.fields().keys() - data.keys() if len(around.models) == 1 else set()
+        for key in data.keys() - around.fields().keys() if absent else ():
+            meant = nearest(key, sorted(around.fields()), 1, MISSPELT)
+            if meant and meant[0] in absent and around.meant_by(key) is None:
+                absent -= {meant[0]}
+                names[(*path, key)] = meant[0]
+                faults.append(document.attributed((*path, key), _unknown_key((*path, key), document, around)))
+    return (document.renamed(names) if names else document), faults
 
 
 def validation_faults(
@@ -63,16 +95,8 @@ def validation_faults(
 ) -> list[tuple[Path, Diagnostic]]:
     """What pydantic found in a document, each with the path it is about."""
     found = [(_path(details["loc"], document.data), details) for details in error.errors(include_url=False)]
-    misspelt = {
-        (*path[:-1], meant)
-        for path, details in found
-        if details["type"] == "extra_forbidden"
-        for meant in nearest(str(path[-1]), slot(model, path[:-1]).fields(), 1)
-    }
     faults = []
     for path, details in found:
-        if details["type"] == "missing" and path in misspelt:
-            continue  # it is there, under the wrong name
         if details["type"] == "too_short" and len(details["input"]) >= details["ctx"]["min_length"]:
             continue  # pydantic counts only the items that are right
         faults.append((path, document.attributed(path, _diagnostic(details, path, document, model))))
@@ -105,7 +129,9 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
     if kind in _TYPES:
         expected, takes_unit = _TYPES[kind]
         code, message = "wrong-type", f"expected {expected}{unit if takes_unit else ''}, found {shown(value)}"
-        return _type_fault(Diagnostic(code, message, document.span(path)), expected, value, path, document)
+        if "number" in expected:
+            hint = _number_hint(value, path, model)
+        return _type_fault(Diagnostic(code, message, document.span(path), hint), expected, value, path, document, model)
     if kind in _BOUNDS:
         key, words = _BOUNDS[kind]
         code = "out-of-range"
@@ -125,6 +151,8 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
         if not context:  # a value that has none of the forms; one with context says it all
             message = f"{message}{unit and f', in {here.unit}'}; found {shown(value)}"
             hint = _form_hint(value, here)
+            if "a number" in message and isinstance(value, str):
+                hint = _number_hint(value, path, model)
     elif "message" in context:
         code, message, hint = kind, str(context["message"]), context.get("hint")
     return Diagnostic(code, message, document.span(path), hint)
@@ -151,7 +179,8 @@ def _owner(path: Path) -> str:
 
 def _example(examples: list[Any] | None) -> str:
     value = (examples or ["…"])[0]
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False).replace('"', "")
+    # Only a set of resources needs its quotes.
+    return value if isinstance(value, str) else re.sub('"([^"{]*)"', r"\1", json.dumps(value, ensure_ascii=False))
 
 
 def _unknown_key(path: Path, document: Document, around: Slot) -> Diagnostic:
@@ -161,7 +190,9 @@ def _unknown_key(path: Path, document: Document, around: Slot) -> Diagnostic:
     return Diagnostic("unknown-key", message, document.key_span(path), hint)
 
 
-def _type_fault(found: Diagnostic, expected: str, value: object, path: Path, document: Document) -> Diagnostic:
+def _type_fault(
+    found: Diagnostic, expected: str, value: object, path: Path, document: Document, model: type[BaseModel]
+) -> Diagnostic:
     """Adds the way out that fits: quotes around a formula, or a number without its quotes."""
     code, message, hint = found.code, found.message, found.hint
     source = document.source(path)
@@ -179,9 +210,33 @@ def _type_fault(found: Diagnostic, expected: str, value: object, path: Path, doc
         hint = f"put it in quotes: {quoted(source or as_yaml(value))}"
     elif expected == "a whole number" and isinstance(value, float) and value.is_integer():
         hint = f"write {value:.0f}"
-    elif "number" in expected and isinstance(value, str) and kind_of(value.strip()) in ("int", "float"):
-        hint = f"remove the quotes: {value.strip()}"
+    elif hint is None and isinstance(value, str) and value[:1] in "“”„«‘":
+        hint = f"YAML's quotation marks are \" and ': write {quoted(value.strip(_ODD_QUOTES))}"
+    elif expected == "a mapping" and isinstance(value, str) and "file" in slot(model, path).fields():
+        hint = f"write {path[-1]}: {{file: {shortened(value)}}}"
+    elif expected in ("a mapping", "a list") and isinstance(value, str) and _LIKE_A_FILE.search(value):
+        hint = f"{expected} stands here itself, not the name of a file"
     return Diagnostic(code, message, found.span, hint)
+
+
+def _number_hint(value: object, path: Path, model: type[BaseModel]) -> str | None:
+    """For a text where a number is needed, the number that it means, bare and in the unit of the field."""
+    if not isinstance(value, str):
+        return None
+    plain = value.strip().strip(_ODD_QUOTES)
+    if kind_of(plain) in ("int", "float"):
+        return f"remove the quotes: {plain}"
+    meant = number_meant(plain)
+    if meant is None:
+        counted = _COUNTED.match(plain)
+        return f"write the bare number: {counted.group(1)}" if counted else None
+    number, unit = meant
+    field = next((at.unit for n in range(len(path), 0, -1) if (at := slot(model, path[:n])).unit), None)
+    if unit is not None and field is not None and unit != field:
+        return f"write the bare number, in {field}"
+    bare = as_yaml(float(f"{number:.6g}"))
+    said = field or (unit if not plain.startswith(bare) else None)
+    return f"write the bare number{f', in {said}' if said else ''}: {bare}"
 
 
 def _unknown_value(expected: str, value: object) -> tuple[str, str | None]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 
 Data = None | bool | int | float | str | list["Data"] | dict[str, "Data"]
+
+_BLANKS = re.compile("[ \t\n]+")  # those of other kinds are to be seen
 
 
 def shortened(text: str, width: int = 60) -> str:
     """The text on one line, cut to ``width`` characters."""
-    text = " ".join(text.split())
+    text = _BLANKS.sub(" ", text).strip(" ")
     return text if len(text) <= width else text[: width - 1] + "…"
 
 

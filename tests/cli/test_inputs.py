@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.program import SPEC, codes, graspdsl
+from cli.program import ROOT, SPEC, codes, graspdsl
 from graspdsl.cli.app import app
 
 FORMULA = "π_s|Γ Γ (π_gx|Γ Γ)"
@@ -138,6 +138,62 @@ def test_names_of_files_do_not_steer_the_terminal(tmp_path: Path) -> None:
     answer = graspdsl("validate", "\x1b[31mred.yaml", cwd=tmp_path)
     assert answer.returncode == 1
     assert answer.stdout.startswith("\ufffd[31mred.yaml: error[file-not-found]")
+
+
+FORGED = "spec.yaml: ok"
+NAME = "".join(f"x{mark}{FORGED}" for mark in ("\n", "\r\n", "\r", "\u2028", "\x85", "\x1b[2K\r", "\x0b"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("validate", "{}"),
+        ("validate", "{}.yaml"),
+        ("run", "{}"),
+        ("run", "--resume", "{}"),
+        ("report", "{}"),
+        ("compare", "{}", "{}"),
+        ("explain", "{}.yaml"),
+        ("explain", "π_a|{}"),
+        ("view", "{}", "--images", "seen"),
+        ("view", "--object", "{}.stl", "--images", "seen"),
+        ("view", "--hand", "{}.yaml", "--images", "seen"),
+        ("run", str(SPEC), "--set", "scene.object={}"),
+        ("run", str(SPEC), "--set", "scene.hand={}.yaml"),
+        ("run", str(SPEC), "--set", "{}=1"),
+        ("run", str(SPEC), "--set", 'scene.object={{mesh: {{file: "{}"}}}}'),
+        ("map", "{}", "--over", "height"),
+        ("list", "{}"),
+        ("{}",),
+    ],
+)
+def test_no_name_forges_a_line(words: tuple[str, ...], tmp_path: Path) -> None:
+    answer = graspdsl(*(word.format(NAME) for word in words), cwd=tmp_path)
+    assert answer.returncode in (1, 2)
+    said = answer.stdout + answer.stderr
+    assert not set("\r\x0b\x1b\x85\u2028") & set(said)
+    assert not any(line.startswith(FORGED) for line in said.split("\n"))
+
+
+def test_names_of_sound_specs_and_runs_forge_no_line(tmp_path: Path) -> None:
+    folder = tmp_path / "x\nforged: ok"
+    folder.mkdir()
+    (folder / "spec.yaml").write_text(
+        (ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml").read_text("utf-8"), encoding="utf-8"
+    )
+    spec = f"{folder.name}/spec.yaml"
+    answers = [
+        graspdsl("validate", spec, cwd=tmp_path),
+        graspdsl("run", spec, "--trials", "1", "--out", "a\nforged: ok", cwd=tmp_path),
+        graspdsl("report", "a\nforged: ok", cwd=tmp_path),
+        graspdsl("compare", "a\nforged: ok", "a\nforged: ok", "--out", "b\nforged: ok", cwd=tmp_path),
+    ]
+    assert [answer.returncode for answer in answers] == [0] * 4
+    for answer in answers:
+        assert "x\ufffdforged" in answer.stdout + answer.stderr or "a\ufffdforged" in answer.stdout + answer.stderr
+        assert not any(line.startswith("forged") for line in (answer.stdout + answer.stderr).split("\n"))
+    as_json = graspdsl("validate", spec, "--json", cwd=tmp_path)
+    assert json.loads(as_json.stdout)["files"][0]["path"] == spec
 
 
 def test_validate_loads_no_simulator_no_figures_and_no_tables() -> None:

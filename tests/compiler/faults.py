@@ -138,6 +138,14 @@ SENSING = (
     Case("a touch within the noise", spec(scene=f"{TOWEL_ROLL}, sensing: {{load-cell: {{force_noise: 0.8}}}}")),
 )
 NAMES = (
+    _formula("one controller after another, by a semicolon", "π_close|Γ Γ; π_s|Γ Γ (π_gx|Γ Γ)"),
+    _formula("priority the wrong way round", "π_close|Γ Γ ⊳ π_close|Γ Γ"),
+    Case("gravity by a bare letter", spec("π_rgθ|γ1 {γ1, g}")),
+    Case("gravity by its name", spec("π_rgθ|γ1 {γ1, gravity}")),
+    _formula("two contacts by one name", "π_close|{γ1, γ23} Γ"),
+    _formula("two contacts by one subscript", "π_close|{γ1, γ_{23}} Γ"),
+    _formula("a virtual contact of one name", "π_close|{γ1, <γ23>} Γ"),
+    _formula("a length with its unit", "φ_p|τ_p(γ1) σ_p(γ1) (5 mm, 0, 0)"),
     _formula("a potential that is not there", "φ_frr|τ_frx(Γ) σ_fr(Γ)"),
     _formula("an effector transform that is not there", "φ_fr|τ_frxx(Γ) σ_fr(Γ)"),
     _formula("a sensor transform that is not there", "φ_fr|τ_frx(Γ) σ_frr(Γ)"),
@@ -223,6 +231,13 @@ RESOURCES = (
     Case("a circle through an alias", spec(resources={"γ4": "γ5", "γ5": "γ4"})),
     Case("an alias of a set inside a set", spec("π_close|{γ1, Γ_m} Γ", resources={"Γ_m": "Γ"})),
 )
+SECTIONS = (
+    Case("resources under another name", spec().replace("resources:", "resource:")),
+    Case("resources under a name that is none", spec().replace("resources:", "contacts:")),
+    Case("parameters under another name", spec("π_close|Γ Γ").replace("parameters:", "params:")),
+    Case("resources that are a list", spec(), ("resources=[finger-1]",)),
+    Case("a file in place of parameters", spec("π_close|Γ Γ"), ("parameters=/x/p.yaml",)),
+)
 DEFINITIONS = (
     _controller("a name of the prelude", "π_close|Γ Γ", {"π_gx|Γ Γ": "π_close|Γ Γ"}),
     _controller("a name twice", "π_a|Γ Γ", {"π_a|Γ Γ": "π_close|Γ Γ", "pi_a|G G": "π_close|Γ Γ"}),
@@ -254,6 +269,11 @@ OVERRIDES = (
     Case("a controller on the command line", spec("π_a|Γ Γ"), ("controllers.π_a|Γ Γ=π_close|Γ γ1 then",)),
     Case("a parameter on the command line", spec("π_close|Γ Γ"), ("parameters.kappa_f=1",)),
     Case("a hand on the command line", spec(), ("scene.hand=baret",)),
+    Case("a mesh by its name alone on the command line", spec(), ("scene.object=/x/m.stl",)),
+    Case("a mesh of an unknown kind", spec(), ("scene.object=/x/m.ply",)),
+    Case("a mesh by its name alone as a mesh", spec(), ("scene.object={mesh: /x/m.stl}",)),
+    Case("a mesh inside a name", spec(), ("scene.object.mesh.file=/x/m.stl",)),
+    Case("a mass inside a name", spec(), ("scene.object.mass=1",)),
     Case("a parameter of another sensor than the file's on the command line", SENSED, ("scene.sensing.skin.pitch=1",)),
     Case("a parameter of the file's sensor on the command line", SENSED, ("scene.sensing.load-cell.latency=1",)),
     Case("a condition on the command line", spec("π_close|Γ Γ"), ("program.0.until.force_residual=0.1",)),
@@ -281,6 +301,7 @@ CASES = (
     *CONTROLLERS,
     *REFERENCES,
     *RESOURCES,
+    *SECTIONS,
     *DEFINITIONS,
     *PROGRAM,
     *OVERRIDES,

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, as_text
 from graspdsl.hands.descriptions import HERE
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
 from graspdsl.spec.named_files import SpecFolder
@@ -120,6 +120,20 @@ def test_each_fault_has_its_place(tmp_path: Path, changes: dict[str, object], co
     assert found
     assert all(fault.span is not None for fault in found)
     assert any(words in f"{fault.message} {fault.hint}" for fault in found)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_are_counted_alike_whatever_ends_them(tmp_path: Path, end: str) -> None:
+    text = yaml.safe_dump({**SMALL, "palm": "plam"}, sort_keys=False)
+    line = 1 + text[: text.index("palm")].count("\n")
+    (tmp_path / "hand.yaml").write_bytes(text.replace("\n", end).encode())
+    (tmp_path / "two.urdf").write_text(TWO_LINKS.replace("{mesh}", "").replace("{lower}", "0"), encoding="utf-8")
+    with pytest.raises(HandFileError) as caught:
+        hand_in(SpecFolder(tmp_path), "hand.yaml")
+    (fault,) = caught.value.diagnostics
+    assert fault.span is not None
+    assert fault.span.line == line
+    assert "plam" in as_text(fault, "hand.yaml", caught.value.text).split("\n")[1]
 
 
 MODELS = (

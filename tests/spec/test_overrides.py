@@ -59,7 +59,7 @@ def test_an_overridden_formula_has_places_of_its_own(good: str) -> None:
         ("a..b=3", "bad-override", "expected path=value", "for example --set scene.friction=0.6"),
         ("scene.friction=abc", "wrong-type", "expected a number, found the text 'abc'", None),
         ("scene.frictoin=3", "unknown-key", "'scene' has no key 'frictoin'", "did you mean friction?"),
-        ("contrl.step=1", "unknown-key", "the file has no key 'contrl'", "did you mean control or controllers?"),
+        ("contrl.step=0.01", "unknown-key", "the file has no key 'contrl'", "did you mean control or controllers?"),
         (
             "program.2.limit=1",
             "unknown-path",

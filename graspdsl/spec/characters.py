@@ -1,0 +1,197 @@
+"""The characters that are no YAML but look like it: told where they stand, and read over as what they were meant for.
+
+A blank of another kind than the plain space, which web pages and word processors bring along, separates nothing in
+YAML; and a backslash in double quotes begins an escape, which may swallow the first letter of a LaTeX command.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable
+
+from yaml.reader import Reader
+from yaml.scanner import Scanner
+from yaml.tokens import ScalarToken
+
+from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.spec.positions import Lines
+from graspdsl.spec.wording import quoted
+
+MOST_FAULTS = 20
+
+# Control characters, other line ends than \n, halves of surrogate pairs and the like; then what is nowhere seen: soft
+# hyphens, marks of direction, widths of zero and byte order marks. What joins letters of some scripts may stand.
+_FORBIDDEN = re.compile(
+    "[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+    "|[\xad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180e\u200b\u202a-\u202e\u2060-\u206f\u3164\ufeff\uffa0]"
+)
+_LINE_ENDS = "\x0b\x0c\x85\u2028\u2029"
+
+_BLANK = "[\xa0\u1680\u2000-\u200a\u200c-\u200f\u202f\u205f\u2800\u3000]"
+_BLANKS = re.compile(f"{_BLANK}+")
+# In a key's place, the blanks behind the colon; at the end of a plain text, those before a sign of YAML.
+_BEHIND_COLON = re.compile(f"[^:]*:({_BLANK}+)")
+_AT_END = re.compile(f"(?<!{_BLANK}){_BLANK}+(?= *(?:$|:(?: |$)))")
+# How far a plain text may reach: up to a comment, which a blank comes before.
+_ON_THE_LINE = re.compile(rf"[^\n#]*(?:(?<![ {_BLANK[1:]})#[^\n#]*)*")
+_IN_BRACKETS = re.compile(rf"[^\n,\[\]{{}}#]*(?:(?<![ {_BLANK[1:]})#[^\n,\[\]{{}}#]*)*")
+_FURTHEST_BACK = 200  # characters, to see what a text on the same line comes after
+
+_GREEK = re.findall(
+    r"\w+",
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma tau upsilon phi chi "
+    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega",
+)
+# LaTeX commands in plain writing, which is shorter than the command with its backslash.
+_TEX = {
+    **{name: name for name in _GREEK},
+    **{f"var{name}": name for name in ("epsilon", "theta", "kappa", "pi", "rho", "sigma", "phi")},
+    **dict.fromkeys(("triangleleft", "lhd"), "<|"),
+    **dict.fromkeys(("left", "right"), ""),
+    "langle": "<",
+    "rangle": ">",
+    "mid": "|",
+}
+_ESCAPE = re.compile(rf"\\(?:({'|'.join(sorted(_TEX, key=len, reverse=True))})(?![A-Za-z])|.)", re.DOTALL)
+_IN_DOUBLE_QUOTES = re.compile(r'"((?:[^"\\]|\\.)*)', re.DOTALL)
+_ESCAPES = {
+    "a": "a bell",
+    "b": "a backspace",
+    "e": "an escape character",
+    "f": "a form feed",
+    "n": "a line break",
+    "r": "a carriage return",
+    "t": "a tab",
+    "v": "a vertical tab",
+    "L": "a line end",
+    "P": "a line end",
+}
+
+
+def named(character: str) -> str:
+    """A character by its code point, with its name where it has one."""
+    name = unicodedata.name(character, "")
+    return f"U+{ord(character):04X}{name and f' ({name.lower()})'}"
+
+
+def refuse_forbidden(lines: Lines) -> None:
+    """Raises :class:`DiagnosticError` with every character that cannot stand in a YAML file."""
+    faults, binary = [], "\0" in lines.text
+    for bad in _FORBIDDEN.finditer(lines.text):
+        character = bad.group()
+        hint = "delete it: it is invisible, and was probably pasted along"
+        if character in _LINE_ENDS:
+            hint = "if a line ends here, delete it and press Enter"
+        if binary:
+            hint = "is this a binary file?"
+        message = f"the character {named(character)} cannot stand in a YAML file"
+        faults.append(Diagnostic("bad-character", message, lines.span(*bad.span()), hint))
+        if binary or len(faults) == MOST_FAULTS:
+            break
+    if faults:
+        raise DiagnosticError(faults)
+
+
+class LenientScanner(Reader, Scanner):
+    """PyYAML's scanner, which reads a blank of another kind as a space and a LaTeX command as its plain writing.
+
+    Each is in ``faults``, once a stretch of blanks and once a text in quotes. :attr:`as_read` is what was read instead,
+    as long as the text. Raises :class:`DiagnosticError` after ``MOST_FAULTS`` of them.
+    """
+
+    def __init__(self, lines: Lines) -> None:
+        Reader.__init__(self, lines.text)
+        Scanner.__init__(self)
+        self.faults: list[Diagnostic] = []
+        self._lines = lines
+
+    @property
+    def as_read(self) -> str:
+        """The text with what was meant in place of what was written."""
+        return str(self.buffer).removesuffix("\0")
+
+    def scan_to_next_token(self) -> None:
+        """Skips blanks of all kinds."""
+        skip: Callable[[], None] = super().scan_to_next_token  # the stubs leave the scanner untyped
+        skip()
+        while self._read_blanks(self.pointer):
+            skip()
+        sign = self.peek()
+        if sign == ":" or (sign == "-" and self._begins_line()):
+            self._read_blanks(self.pointer + 1)
+
+    def scan_plain(self) -> ScalarToken:
+        """A plain text up to a blank of any kind that YAML's signs follow, or that follows a key's colon."""
+        stretch = (_IN_BRACKETS if self.flow_level else _ON_THE_LINE).match(
+            self.buffer, self.pointer, len(self.buffer) - 1
+        )
+        if stretch and _BLANKS.search(stretch.group()):
+            self._read_separators(stretch.end())
+        scan: Callable[[], ScalarToken] = super().scan_plain
+        return scan()
+
+    def scan_flow_scalar(self, style: str) -> ScalarToken:
+        """A text in quotes, LaTeX commands in double quotes in plain writing."""
+        if style == '"':
+            self._read_latex()
+        scan: Callable[[str], ScalarToken] = super().scan_flow_scalar
+        return scan(style)
+
+    def _read_separators(self, end: int) -> None:
+        """Reads what separates a plain text, which ends there at the latest, from what comes next."""
+        behind = _BEHIND_COLON.match(self.buffer, self.pointer, end)
+        if behind and (self._begins_line() or (self.flow_level and self._before().rstrip()[-1:] in ("{", "[", ","))):
+            self._read_blanks(behind.start(1))
+        for blanks in _AT_END.finditer(self.buffer, self.pointer, end):
+            self._read_blanks(blanks.start())
+
+    def _before(self) -> str:
+        near = self.buffer[max(0, self.pointer - _FURTHEST_BACK) : self.pointer]
+        return str(near.rpartition("\n")[2])
+
+    def _begins_line(self) -> bool:
+        return not self._before().strip(" -")
+
+    def _read_blanks(self, at: int) -> bool:
+        """Reads blanks of another kind at this place as spaces; whether there were any."""
+        found = _BLANKS.match(self.buffer, at)
+        if found is None:
+            return False
+        message = f"{named(found.group()[0])} stands where YAML needs a plain space"
+        self._add(Diagnostic("odd-blank", message, self._lines.span(*found.span()), "write a plain space instead"))
+        self._write(at, " " * len(found.group()))
+        return True
+
+    def _read_latex(self) -> None:
+        """Reads LaTeX commands of the text in double quotes that begins here in plain writing."""
+        whole = _IN_DOUBLE_QUOTES.match(self.buffer, self.pointer)
+        assert whole is not None
+        commands = [escape for escape in _ESCAPE.finditer(whole.group(1)) if escape.group(1)]
+        if not commands:
+            return
+        plain = _ESCAPE.sub(lambda escape: _plain(escape).rjust(len(escape.group())), whole.group(1))
+        first = commands[0]
+        start = whole.start(1) + first.start()
+        letter = first.group(1)[0]
+        what = f"is {_ESCAPES[letter]}" if letter in _ESCAPES else "means nothing"
+        message = f"'\\{letter}' {what} in double quotes, so that this is no {first.group()}"
+        plainly = quoted(_ESCAPE.sub(_plain, whole.group(1)))
+        hint = f"write letters as they are or by their names, without backslashes: {plainly}"
+        self._add(Diagnostic("bad-escape", message, self._lines.span(start, start + len(first.group())), hint))
+        # A name that begins with a blank would be another name.
+        blanks = len(plain) - len(plain.lstrip(" "))
+        self._write(self.pointer, f'{" " * blanks}"{plain[blanks:]}')
+        self.forward(blanks)
+
+    def _add(self, fault: Diagnostic) -> None:
+        self.faults.append(fault)
+        if len(self.faults) == MOST_FAULTS:
+            raise DiagnosticError(self.faults)
+
+    def _write(self, at: int, text: str) -> None:
+        self.buffer = self.buffer[:at] + text + self.buffer[at + len(text) :]
+
+
+def _plain(escape: re.Match[str]) -> str:
+    return _TEX.get(escape.group(1), escape.group())
