@@ -11,8 +11,9 @@ from typing import Any, TextIO
 
 from graspdsl.cli.encoding import SPELL_OUT, install
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text, has_errors
+from graspdsl.trials.interruption import interruption
 
-WRONG_INPUT, INTERRUPTED = 1, 130
+WRONG_INPUT = 1
 _COLOURS = {Severity.ERROR: "\x1b[1;31m", Severity.WARNING: "\x1b[1;33m"}
 _PLAIN = "\x1b[0m"
 
@@ -32,6 +33,13 @@ def prepare_streams() -> None:
 def say(text: str) -> None:
     """A message, on stderr."""
     write(sys.stderr, f"{printable(text)}\n")
+
+
+def if_interrupted(kept: str) -> None:
+    """From now on, a program that a signal ends says this of what is kept."""
+    words = printable(f"interrupted; {kept}\n").encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
+    after_progress = b"\n" if sys.stderr.isatty() else b""
+    interruption.last = lambda: os.write(2, after_progress + words)  # sys.stderr may be in the middle of a line
 
 
 def result(text: str) -> None:
