@@ -81,8 +81,8 @@ class RunFolder:
                 raise _refused("folder-not-empty", "this folder is not empty", "name another, or go on with --resume")
             try:
                 folder._fill(content, spec_text, files)
-            except BaseException:
-                _remove_all_in(path)
+            except BaseException:  # half a run is none
+                shutil.rmtree(path, ignore_errors=True)
                 raise
         return folder
 
@@ -236,12 +236,21 @@ class RunFolder:
     def _writing(self) -> Iterator[None]:
         try:
             with interruption.whole():
-                if self._held is not None and not _is(self.path / LOCK, self._held):
-                    message = "this folder was removed or moved, or is another one now, while its trials were run"
-                    raise _refused("folder-gone", message, "go on where it is now, or begin a new run")
+                self._check_place()
                 yield
         except (OSError, sqlite3.Error) as error:
+            self._check_place()
             raise unwritable(error) from error
+
+    def _check_place(self) -> None:
+        """A run that is being written to must be where it was: not removed, nor another one's by now."""
+        if self._held is None:
+            return
+        if not _is(self.path / LOCK, self._held):
+            hint = "if it was moved, go on with --resume and its new name; if not, nothing is kept: begin a new run"
+            raise _refused("folder-gone", "this folder was removed or moved while its trials were run", hint)
+        if not (self.path / TABLE).is_file():
+            raise self._damaged(TABLE, "there is no such file")
 
     def _damaged(self, file: str, reason: str) -> DiagnosticError:
         message = f"this run is damaged: its {file} cannot be read: {reason}"
@@ -297,14 +306,6 @@ def _draft_of(place: Path) -> Iterator[Path]:
         draft.replace(place)
     finally:
         draft.unlink(missing_ok=True)
-
-
-def _remove_all_in(folder: Path) -> None:
-    for found in folder.iterdir():
-        if found.is_dir():
-            shutil.rmtree(found, ignore_errors=True)
-        else:
-            found.unlink(missing_ok=True)
 
 
 def _is(path: Path, known: os.stat_result) -> bool:
