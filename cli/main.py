@@ -13,15 +13,12 @@ BUG, INTERRUPTED = 3, 130
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 wrong input, 2 wrong use, 3 a bug, 130 interrupted."""
-    interruption.heed(INTERRUPTED, _say_begin_again)  # before anything else is imported, which takes its time
+    # Before anything else is imported, which takes its time.
+    interruption.heed(INTERRUPTED, b"interrupted; there was nothing to keep: give the command again\n")
     code = _exit_code()
     for number in SIGNALS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
     sys.exit(code)
-
-
-def _say_begin_again() -> None:
-    os.write(2, b"interrupted; there was nothing to keep: give the command again\n")
 
 
 def _exit_code() -> int | str | None:

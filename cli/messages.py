@@ -37,9 +37,9 @@ def say(text: str) -> None:
 
 def if_interrupted(kept: str) -> None:
     """From now on, a program that a signal ends says this of what is kept."""
-    words = printable(f"interrupted; {kept}\n").encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
-    after_progress = b"\n" if sys.stderr.isatty() else b""
-    interruption.last = lambda: os.write(2, after_progress + words)  # sys.stderr may be in the middle of a line
+    after_progress = "\n" if sys.stderr.isatty() else ""
+    text = printable(f"{after_progress}interrupted; {kept}\n")
+    interruption.words = text.encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
 
 
 def result(text: str) -> None:

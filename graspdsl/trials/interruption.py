@@ -22,18 +22,21 @@ class Interruption:
     """What becomes of the program when a signal asks it to end; where nobody heeds signals, nothing does."""
 
     def __init__(self) -> None:
-        self.last: Action = lambda: None  # done after all others
+        self.words = b""  # the last ones, on stderr
+        self._stderr = -1
         self._actions: list[Action] = []
         self._code = 0
         self._depth = 0
         self._asked = self._ending = False
 
-    def heed(self, exit_code: int, last: Action) -> None:
-        """From now on signals end the program with this exit code, once all actions and ``last`` are done.
+    def heed(self, exit_code: int, words: bytes) -> None:
+        """From now on signals end the program with these words and this exit code, once all actions are done.
 
         Signals that are ignored, as in the background or under nohup, stay so.
         """
-        self._code, self.last = exit_code, last
+        self._code, self.words = exit_code, words
+        with suppress(OSError):  # where it is closed
+            self._stderr = os.dup(2)  # which stays when a simulator's own messages are silenced
         for number in SIGNALS:
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._signalled)
@@ -80,11 +83,14 @@ class Interruption:
         self._ending = True
         _wake(PATIENCE)
         try:
-            for action in (*reversed(self._actions), self.last):
+            for action in (*reversed(self._actions), self._say):
                 with suppress(Exception):
                     action()
         finally:
             os._exit(self._code)
+
+    def _say(self) -> None:
+        os.write(self._stderr, self.words)
 
 
 def _wake(after: int) -> None:

@@ -7,6 +7,7 @@ import os
 import random
 import signal
 import subprocess
+import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -113,6 +114,19 @@ def test_signals_at_any_moment(pattern: str, workers: int, tmp_path: Path) -> No
         assert len(folder.finished()) == len(folder.records())
     else:
         assert messages.endswith("interrupted; there was nothing to keep: give the command again\n")
+
+
+def test_what_is_said_is_said_where_a_simulator_is_silenced(tmp_path: Path) -> None:
+    code = (
+        "import os, signal\n"
+        "from graspdsl.trials.interruption import interruption\n"
+        "from graspdsl.worlds.bullet.engine import silenced\n"
+        "interruption.heed(130, b'the end')\n"
+        "with silenced():\n"
+        "    os.kill(os.getpid(), signal.SIGTERM)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"the end")
 
 
 def test_worker_killed(finished: FinishedRun, tmp_path: Path) -> None:
