@@ -109,7 +109,7 @@ def run(
             program, source = sound(spec, tuple(overrides))
             from graspdsl.cli.running import begin, finish
 
-            folder = begin(program, source, spec.name, tuple(overrides), out)
+            folder = begin("run", program, source, spec.name, tuple(overrides), out)
         code = finish(folder, workers, as_json)
     raise typer.Exit(code)
 

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from graspdsl.cli.inputs import InputError, reading, sound
 from graspdsl.cli.messages import result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, opened, page_of
+from graspdsl.cli.running import RUNS, carried_on, keeping, opened, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
@@ -21,8 +21,9 @@ from graspdsl.report.evidence import gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
 from graspdsl.spec.document import parse_document
-from graspdsl.trials.runner import pending, program_of_run
-from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder
+from graspdsl.trials.lock import locked
+from graspdsl.trials.runner import new_run, pending, program_of_run
+from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, made
 
 ANOTHER = "name another folder with --out"
 
@@ -84,12 +85,17 @@ def run_experiments(asked: Asked) -> int:
             message = f"cannot look into this folder: {(error.strerror or 'unknown reason').lower()}"
             raise InputError(str(asked.out), "", [Diagnostic("folder-not-readable", message, hint=ANOTHER)]) from None
     with reading(str(asked.out or RUNS)):
-        whole = asked.out or fresh_folder(RUNS, "experiments")
+        whole = made(asked.out) if asked.out else fresh_folder(RUNS, "experiments")
+    with keeping(whole, *asked.words(whole)), locked(whole):
+        return _run_all(chosen, whole, asked)
+
+
+def _run_all(chosen: Sequence[Experiment], whole: Path, asked: Asked) -> int:
     claims: list[Claim] = []
     reports: dict[str, str] = {}
     for experiment in chosen:
         folder = _begun(experiment, asked.overrides, whole / experiment.name)
-        code = carried_on(folder, asked.workers, asked.words(whole))
+        code = carried_on(folder, asked.workers, *asked.words(whole))
         if code != 0:
             return code
         with reading(str(folder.path)):
@@ -98,8 +104,7 @@ def run_experiments(asked: Asked) -> int:
             page = page_of(evidence)
         claims += found
         reports[experiment.name] = page.relative_to(whole).as_posix()
-    with reading(str(whole)):
-        page = write_experiments(whole, claims, reports)
+    page = write_experiments(whole, claims, reports)
     if asked.as_json:
         result_json({"run": str(whole), "claims": as_data(claims)})
     else:
@@ -185,7 +190,8 @@ def _begun(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> R
     """A new run of an experiment, or the one that was begun here before."""
     if (place / MANIFEST).exists():
         return opened(place)
-    return begin(experiment.program, experiment.text, experiment.spec.name, overrides, place)
+    with reading(str(place)):
+        return new_run(place, experiment.program, experiment.text, experiment.spec.name, overrides)
 
 
 def _text(claims: Sequence[Claim]) -> str:

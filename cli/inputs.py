@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, as_file_json, complain, result_json, say
+from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, result_json
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def sound(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program, str]:
 
 @contextmanager
 def answering(as_json: bool = False) -> Iterator[None]:
-    """What a command does within ends with the right exit code when its input is refused or it is interrupted."""
+    """What a command does within ends with the right exit code when its input is refused."""
     try:
         yield
     except InputError as error:
@@ -93,6 +93,3 @@ def answering(as_json: bool = False) -> Iterator[None]:
         if as_json:
             result_json({"files": [as_file_json(error.name, error.diagnostics)]})
         raise typer.Exit(WRONG_INPUT) from None
-    except KeyboardInterrupt:
-        say("interrupted")
-        raise typer.Exit(INTERRUPTED) from None

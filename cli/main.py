@@ -5,41 +5,33 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import traceback
-from datetime import datetime
-from types import FrameType
 
-from graspdsl.cli.messages import INTERRUPTED, WRONG_INPUT, complain, prepare_streams, say
-from graspdsl.diagnostics import DiagnosticError
+from graspdsl.trials.interruption import SIGNALS, interruption
 
-BUG = 3
+BUG, INTERRUPTED = 3, 130
 
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 wrong input, 2 wrong use, 3 a bug, 130 interrupted."""
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
-            signal.signal(number, _interrupt)
-    prepare_streams()
-    sys.exit(_exit_code())
-
-
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    """Asked to end, or left by its terminal, a run keeps what it has, as after Ctrl-C."""
-    raise KeyboardInterrupt
+    # Before anything else is imported, which takes its time.
+    interruption.heed(INTERRUPTED, b"interrupted; there was nothing to keep: give the command again\n")
+    code = _exit_code()
+    for number in SIGNALS:  # all is done and said
+        signal.signal(number, signal.SIG_IGN)
+    sys.exit(code)
 
 
 def _exit_code() -> int | str | None:
+    from graspdsl.cli.messages import WRONG_INPUT, complain, prepare_streams, say
+    from graspdsl.diagnostics import DiagnosticError
+
+    prepare_streams()
     try:
         from graspdsl.cli.app import app
 
         app()
     except SystemExit as end:  # how typer ends, well or with a complaint about the usage
         return end.code
-    except KeyboardInterrupt:
-        say("interrupted")
-        return INTERRUPTED
     except DiagnosticError as error:
         complain("graspdsl", "", error.diagnostics)
         return WRONG_INPUT
@@ -52,6 +44,10 @@ def _exit_code() -> int | str | None:
 
 def _keep_crash_log(error: Exception) -> None:
     import tempfile
+    import traceback
+    from datetime import datetime
+
+    from graspdsl.cli.messages import say
 
     stamp = datetime.now().astimezone().isoformat(timespec="seconds")
     text = f"{stamp}\n{sys.version}\n{sys.argv}\n\n{''.join(traceback.format_exception(error))}"

@@ -12,19 +12,20 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from graspdsl.cli.inputs import reading, sound
-from graspdsl.cli.messages import INTERRUPTED, result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, opened
+from graspdsl.cli.messages import if_interrupted, result, result_json, say
+from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
 from graspdsl.cli.tables import reasons_table, row, table, text_of
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import on_one_line
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
-from graspdsl.report.map_files import FILES, write_map
+from graspdsl.report.map_files import FILES, map_files
 from graspdsl.report.wording import percent
-from graspdsl.report.writing import prepare
+from graspdsl.report.writing import prepare, replace
 from graspdsl.spec.named_files import COPIES, folder_of_files
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
+from graspdsl.trials.interruption import interruption
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 
@@ -89,15 +90,15 @@ def make_map(
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
     program, source = sound(spec, settings)
     if program.world.floats:
-        try:
-            with reading(str(spec), source):
-                cells = _floating(program, axes, contact)
-        except KeyboardInterrupt:
-            say("interrupted; nothing is kept of a map of floating contacts, which is made in one go: begin it again")
-            return INTERRUPTED
-        folder = _place(out, program, source)
+        if_interrupted("nothing is kept of a map of floating contacts, which is made in one go: begin it again")
+        with reading(str(spec), source):
+            cells = _floating(program, axes, contact)
+        copies = {f"{COPIES}/{file.kept_as.as_posix()}": file.content for file in program.files}
         seed = program.spec.trials.seed
-        made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
+        with reading(str(out or RUNS)), interruption.whole():
+            folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
+            made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
+            prepare(folder, {SPEC: source, **copies, **map_files(made)})
         show_map(made, folder, as_json)
         return 0
     with reading(str(spec), source):
@@ -105,13 +106,12 @@ def make_map(
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
         program = program_of(source, spec.name, whole, folder_of_files(spec))
-    with reading(str(out or RUNS)):
-        place = out or fresh_folder(RUNS, f"{program.spec.name}-map")
-    return finish_map(begin(program, source, spec.name, whole, place), workers, as_json)
+    return finish_map(begin("map", program, source, spec.name, whole, out), workers, as_json)
 
 
 def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
     """Finish the map in a folder and show it. Returns the exit code."""
+    if_interrupted(kept("map", "--resume", str(path)))
     folder = opened(path)
     with reading(str(path)):
         axes_of(program_of_run(folder).spec)
@@ -120,21 +120,13 @@ def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
 
 def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
-    code = carried_on(folder, workers, ["map", "--resume", str(folder.path)])
-    if code == 0:
-        with reading(str(folder.path)):
+    with keeping(folder.path, "map", "--resume", str(folder.path)):
+        code = carried_on(folder, workers, "map", "--resume", str(folder.path))
+        if code == 0:
             made = map_of_run(folder)
-        show_map(made, folder.path, as_json)
+            replace(folder.path, map_files(made))
+            show_map(made, folder.path, as_json)
     return code
-
-
-def _place(out: Path | None, program: Program, source: str) -> Path:
-    """A folder with the spec of a map, and copies of the files that it names."""
-    copies = {f"{COPIES}/{file.kept_as.as_posix()}": file.content for file in program.files}
-    with reading(str(out or RUNS)):
-        folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
-        prepare(folder, {SPEC: source, **copies})
-        return folder
 
 
 def _floating(program: Program, axes: list[WantedAxis], contact: str | None) -> Cells:
@@ -146,10 +138,8 @@ def _floating(program: Program, axes: list[WantedAxis], contact: str | None) -> 
 
 
 def show_map(made: AttractionMap, folder: Path, as_json: bool) -> None:
-    """Write the map's files, and what it says to stdout."""
+    """What the map in a folder says, on stdout."""
     numbers = {**as_data(made), "run": str(folder)}
-    with reading(str(folder)):
-        write_map(folder, made)
     if as_json:
         result_json(numbers)
     else:

@@ -10,8 +10,9 @@ from typing import Any, TextIO
 
 from graspdsl.cli.encoding import SPELL_OUT, install
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text, has_errors, steers
+from graspdsl.trials.interruption import interruption
 
-WRONG_INPUT, INTERRUPTED = 1, 130
+WRONG_INPUT = 1
 _COLOURS = {Severity.ERROR: "\x1b[1;31m", Severity.WARNING: "\x1b[1;33m"}
 _PLAIN = "\x1b[0m"
 
@@ -31,6 +32,13 @@ def prepare_streams() -> None:
 def say(text: str) -> None:
     """A message, on stderr. Names that a user gave must have been put on one line before."""
     write(sys.stderr, f"{printable(text)}\n")
+
+
+def if_interrupted(kept: str) -> None:
+    """From now on, a program that a signal ends says this of what is kept."""
+    after_progress = "\n" if sys.stderr.isatty() else ""
+    text = printable(f"{after_progress}interrupted; {kept}\n")
+    interruption.words = text.encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
 
 
 def result(text: str) -> None:

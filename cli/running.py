@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from graspdsl.cli.inputs import InputError, reading
-from graspdsl.cli.messages import INTERRUPTED, complain, result, result_json, say
+from graspdsl.cli.main import INTERRUPTED
+from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
@@ -19,16 +21,22 @@ from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import numbers_of
 from graspdsl.spec.files import read_text
 from graspdsl.trials.identity import check_origin
+from graspdsl.trials.interruption import interruption
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 
 RUNS = Path("runs")
 
 
-def begin(program: Program, text: str, spec_file: str, overrides: tuple[str, ...], out: Path | None) -> RunFolder:
-    """The folder of a new run. Raises InputError where there can be none."""
-    with reading(str(out or RUNS)):
-        return new_run(out or fresh_folder(RUNS, program.spec.name), program, text, spec_file, overrides)
+def begin(
+    command: str, program: Program, text: str, spec_file: str, overrides: tuple[str, ...], out: Path | None
+) -> RunFolder:
+    """The folder of a new run, which ``command --resume`` goes on with. Raises InputError where there can be none."""
+    name = program.spec.name if command == "run" else f"{program.spec.name}-{command}"
+    with reading(str(out or RUNS)), interruption.whole():
+        folder = new_run(out or fresh_folder(RUNS, name), program, text, spec_file, overrides)
+        if_interrupted(kept(command, "--resume", str(folder.path)))
+    return folder
 
 
 def opened(path: Path) -> RunFolder:
@@ -45,6 +53,7 @@ def opened(path: Path) -> RunFolder:
 
 def go_on(path: Path, spec: Path | None) -> RunFolder:
     """The folder of a run to be finished; the spec, if named too, must be the one it was made from."""
+    if_interrupted(kept("run", "--resume", str(path)))
     folder = opened(path)
     if spec is not None:
         with reading(str(spec)):
@@ -57,15 +66,29 @@ def go_on(path: Path, spec: Path | None) -> RunFolder:
 
 def finish(folder: RunFolder, workers: int | None, as_json: bool) -> int:
     """Run what is not finished, show progress, then the summary. Returns the exit code."""
-    code = carried_on(folder, workers, ["run", "--resume", str(folder.path)])
-    if code == 0:
-        show(folder, as_json)
+    with keeping(folder.path, "run", "--resume", str(folder.path)):
+        code = carried_on(folder, workers, "run", "--resume", str(folder.path))
+        if code == 0:
+            show(folder, as_json)
     return code
 
 
-def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -> int:
+@contextmanager
+def keeping(path: Path, *command: str) -> Iterator[None]:
+    """What ends within, by a signal or since the folder cannot be written to, says what is kept and how to go on."""
+    if_interrupted(kept(*command))
+    try:
+        with reading(str(path)):
+            yield
+    except InputError as error:
+        hint = kept(*command, when="Once that is mended, to go on")
+        faults = [replace(fault, hint=fault.hint or hint) for fault in error.diagnostics]
+        raise InputError(error.name, error.source, faults) from None
+
+
+def carried_on(folder: RunFolder, workers: int | None, *command: str) -> int:
     """Run what is not finished and show progress. Returns the exit code; ``command`` is the one that would go on."""
-    with reading(str(folder.path)):
+    with reading(str(folder.path)), folder.held():
         finished = folder.finished()
         manifest = folder.manifest
         what = f"{manifest.asked} {'trial' if manifest.asked == 1 else 'trials'}, seed {manifest.seed}"
@@ -74,11 +97,8 @@ def carried_on(folder: RunFolder, workers: int | None, command: Sequence[str]) -
         try:
             with TrialProgress(manifest.asked, finished) as progress:
                 execute(folder, workers, progress.advance, finished)
-        except KeyboardInterrupt:
-            say(f"interrupted; {_kept(command)}")
-            return INTERRUPTED
         except WorkerEndedError as end:
-            say(f"{end}; {_kept(command)}")
+            say(f"{end}; {kept(*command)}")
             if not end.from_outside:
                 raise
             return INTERRUPTED
@@ -120,5 +140,6 @@ def frames_of(evidence: Evidence) -> dict[str, bytes]:
     return {name: picture for name, picture in shown.items() if picture is not None}
 
 
-def _kept(command: Sequence[str]) -> str:
-    return f"finished trials are kept. To go on:\n  {on_one_line(shlex.join(['graspdsl', *command]))}"
+def kept(*command: str, when: str = "To go on") -> str:
+    """That finished trials are kept, and the command that goes on."""
+    return f"finished trials are kept. {when}:\n  {on_one_line(shlex.join(['graspdsl', *command]))}"

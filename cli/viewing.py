@@ -24,6 +24,7 @@ from graspdsl.report.writing import replace
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.spec.scene import InlineObject, Mesh
+from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import Label, annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
@@ -161,19 +162,18 @@ def _film(place: Path, replay: Replay) -> None:
     ticks = [*np.searchsorted(replay.rows["time"], ends), replay.ticks - 1]
     draft = _draft(place)
     say(f"a film of {len(ticks)} pictures → {on_one_line(str(place))}")
-    try:
-        film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
-        film.send(None)
-        with Progress(len(ticks)) as progress:
-            for tick in ticks:
-                film.send(np.asarray(replay.picture(int(tick), FILM_OVERSAMPLING)).tobytes())
-                progress.step()
-        film.close()
-        draft.replace(place)
-    except OSError as error:  # what ffmpeg itself has to say goes on for pages
-        raise _not_writable(place, error.strerror or "the film maker gave up") from None
-    finally:
-        draft.unlink(missing_ok=True)
+    with interruption.at_the_end(lambda: draft.unlink(missing_ok=True)):
+        try:
+            film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
+            film.send(None)
+            with Progress(len(ticks)) as progress:
+                for tick in ticks:
+                    film.send(np.asarray(replay.picture(int(tick), FILM_OVERSAMPLING)).tobytes())
+                    progress.step()
+            film.close()
+            draft.replace(place)
+        except OSError as error:  # what ffmpeg itself has to say goes on for pages
+            raise _not_writable(place, error.strerror or "the film maker gave up") from None
     result(on_one_line(str(place)))
 
 

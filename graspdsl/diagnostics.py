@@ -107,6 +107,9 @@ class DiagnosticError(Exception):
         self.diagnostics = tuple(diagnostics)
         super().__init__("; ".join(diagnostic.message for diagnostic in self.diagnostics))
 
+    def __reduce__(self) -> tuple[object, ...]:  # so that it goes from one process to another
+        return type(self), (self.diagnostics,), self.__dict__
+
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
     """Whether any of the complaints is an error."""

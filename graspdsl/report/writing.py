@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.trials.interruption import interruption
+from graspdsl.trials.lock import unwritable
 
 
 def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:
@@ -15,7 +17,7 @@ def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
     except OSError as error:
-        raise _unwritable(error) from error
+        raise unwritable(error) from error
     if occupied:
         raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint="name another")])
     replace(folder, files)
@@ -27,24 +29,24 @@ def replace(folder: Path, files: Mapping[str, str | bytes], outdated: Sequence[s
     Others that match the patterns ``outdated`` are removed. Raises DiagnosticError where it cannot.
     """
     try:
-        drafts = {}
-        try:
-            for name, content in files.items():
-                place = folder / name
-                place.parent.mkdir(parents=True, exist_ok=True)
-                drafts[place] = place.with_name(f"{place.name}.{os.getpid()}.new")
-                drafts[place].write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
-            for place, draft in drafts.items():
-                draft.replace(place)
-        finally:
-            for draft in drafts.values():
-                draft.unlink(missing_ok=True)
-        for place in {found for pattern in outdated for found in folder.glob(pattern)} - set(drafts):
-            place.unlink()
+        with interruption.whole():
+            _replace(folder, files, outdated)
     except OSError as error:
-        raise _unwritable(error) from error
+        raise unwritable(error) from error
 
 
-def _unwritable(error: OSError) -> DiagnosticError:
-    reason = (error.strerror or "unknown reason").lower()
-    return DiagnosticError([Diagnostic("folder-not-writable", f"cannot write to this folder: {reason}")])
+def _replace(folder: Path, files: Mapping[str, str | bytes], outdated: Sequence[str]) -> None:
+    drafts = {}
+    try:
+        for name, content in files.items():
+            place = folder / name
+            place.parent.mkdir(parents=True, exist_ok=True)
+            drafts[place] = place.with_name(f"{place.name}.{os.getpid()}.new")
+            drafts[place].write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+        for place, draft in drafts.items():
+            draft.replace(place)
+    finally:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+    for place in {found for pattern in outdated for found in folder.glob(pattern)} - set(drafts):
+        place.unlink()

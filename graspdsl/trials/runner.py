@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-import functools
+import itertools
 import multiprocessing
+import multiprocessing.connection
 import multiprocessing.process
 import os
 import signal
 import threading
 import time
+import traceback
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.trials.identity import FILE_READERS, identities, other_origin, versions
-from graspdsl.trials.loop import TrialLoop
+from graspdsl.trials.interruption import SIGNALS, interruption
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], None]
 TRIALS_WORTH_A_WORKER = 4
+AHEAD = 2  # trials that a worker knows of, so that it need not wait for the next
+GLANCE = 0.5  # s
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
 
@@ -78,23 +81,28 @@ def execute(
     Raises DiagnosticError as ``pending`` does, or when the folder cannot be written to; WorkerEndedError when a worker
     is killed. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
-    program = program_of_run(folder)
-    numbers = pending(folder, program, folder.finished() if finished is None else finished)
-    if not numbers:
-        return
-    if workers is None:
-        workers = min(os.cpu_count() or 1, max(1, len(numbers) // TRIALS_WORTH_A_WORKER))
-    workers = min(workers, len(numbers))
-    began, seed = time.perf_counter(), folder.manifest.seed
-    trials = _here(program, numbers, seed) if workers == 1 else _elsewhere(folder, numbers, seed, workers)
-    try:
-        with closing(trials):
+    with folder.held():
+        if finished is None:
+            finished = folder.finished()
+        program = program_of_run(folder)
+        numbers = pending(folder, program, finished)
+        if not numbers:
+            return
+        if workers is None:
+            workers = min(os.cpu_count() or 1, max(1, len(numbers) // TRIALS_WORTH_A_WORKER))
+        workers = min(workers, len(numbers))
+        began, seed = time.perf_counter(), folder.manifest.seed
+
+        def spend() -> None:
+            with suppress(DiagnosticError):  # how long it took is not worth hiding how it ended
+                folder.spend(time.perf_counter() - began)
+
+        trials = _here(program, numbers, seed) if workers == 1 else _elsewhere(folder, numbers, seed, workers)
+        with interruption.at_the_end(spend), closing(trials):
             for trial in trials:
                 folder.add(trial)
                 if on_trial is not None:
                     on_trial(trial)
-    finally:
-        folder.spend(time.perf_counter() - began)
 
 
 def _differs(made_by: Mapping[str, str]) -> Diagnostic:
@@ -120,21 +128,25 @@ def _recipe(folder: RunFolder) -> Recipe:
     return folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides, folder.files
 
 
-@functools.cache  # built once in a worker process, at its first trial, so that what goes wrong there is reported
-def _loop(recipe: Recipe) -> TrialLoop:
-    return trial_loop(program_of(*recipe))
+Worker = multiprocessing.process.BaseProcess
+Pipe = multiprocessing.connection.Connection  # numbers of trials to a worker, trials or what went wrong from it
 
 
-def _run_in_worker(recipe: Recipe, number: int, seed: int) -> Trial:
-    return _loop(recipe).run(number, seed)
-
-
-def _begin_worker() -> None:
+def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
+    """What a worker process does, until it is killed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    try:
+        loop = trial_loop(program_of(*recipe))
+        while True:
+            pipe.send(loop.run(pipe.recv(), seed))
+    except Exception as error:
+        error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
+        with suppress(OSError):  # nobody is there any more
+            pipe.send(error)
 
 
 def _end_with_parent() -> None:
-    """A worker waits for work for ever; should its parent be killed, nobody else would end it."""
+    """Should the parent of a worker be killed in the middle of a trial, nobody else would end it."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -142,47 +154,74 @@ def _end_with_parent() -> None:
 
 
 def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: int) -> Generator[Trial, None, None]:
-    recipe = _recipe(folder)
-    others = set(multiprocessing.active_children())
+    recipe, left = _recipe(folder), iter(numbers)
+    crew: dict[Pipe, Worker] = {}
+
+    def give(pipe: Pipe) -> None:
+        for number in itertools.islice(left, 1):
+            with suppress(OSError):  # that it has ended is found when its trials are awaited
+                pipe.send(number)
+
+    with interruption.at_the_end(lambda: _kill(crew)):
+        for _ in range(workers):
+            with interruption.whole():
+                pipe, worker = _started(recipe, seed)
+                crew[pipe] = worker
+        for pipe in [*crew] * AHEAD:
+            give(pipe)
+        missing = len(numbers)
+        while missing:
+            # A signal just before a wait is heeded after it.
+            for pipe in set(crew).intersection(multiprocessing.connection.wait(list(crew), timeout=GLANCE)):
+                trial = _received(pipe, crew[pipe])
+                give(pipe)
+                missing -= 1
+                yield trial
+
+
+def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker)
-    processes: list[multiprocessing.process.BaseProcess] = []
-    waiting: set[Future[Trial]] = set()
+    here, there = context.Pipe()
+    worker = context.Process(target=_work, args=(there, recipe, seed), daemon=True)
+    with _sheltered():
+        worker.start()
+    there.close()
+    return here, worker
+
+
+def _received(pipe: Pipe, worker: Worker) -> Trial:
     try:
-        with _sheltered():
-            waiting = {pool.submit(_run_in_worker, recipe, number, seed) for number in numbers}
-            processes = [child for child in multiprocessing.active_children() if child not in others]
-        while waiting:
-            finished, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in finished:
-                yield future.result()
-    except BrokenProcessPool:
-        pool.shutdown(wait=True)  # its own thread waits for the processes; only then are all exit codes known
-        raise WorkerEndedError(_first_cause(processes)) from None
-    finally:
-        if waiting:  # not to the end: nobody waits for the trials that are still running
-            for process in processes:
-                process.kill()
-        pool.shutdown(wait=True, cancel_futures=True)
+        answer: Trial | Exception = pipe.recv()
+    except (EOFError, OSError):
+        worker.join(timeout=GLANCE)
+        raise WorkerEndedError(worker.exitcode) from None
+    if isinstance(answer, Exception):
+        raise answer
+    return answer
+
+
+def _kill(crew: Mapping[Pipe, Worker]) -> None:
+    """Nobody waits for the trials that are still running."""
+    for worker in crew.values():
+        worker.kill()
+    for pipe, worker in crew.items():
+        worker.join(timeout=GLANCE)
+        pipe.close()
 
 
 @contextmanager
 def _sheltered() -> Iterator[None]:
-    """Processes started within never see Ctrl-C, which a terminal sends to all: this process decides for them."""
+    """Processes started within never see the signals that a terminal or a batch system sends to all: this process
+    decides for them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    resource_tracker.ensure_running()  # as the first start would, which then lets signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _first_cause(processes: Sequence[multiprocessing.process.BaseProcess]) -> int | None:
-    """The exit code of the worker that broke the pool; the pool then ends the others by SIGTERM."""
-    codes = [process.exitcode for process in processes if process.exitcode is not None]
-    return next((code for code in codes if code != -signal.SIGTERM), codes[0] if codes else None)
 
 
 def _said_exit(exit_code: int) -> str:

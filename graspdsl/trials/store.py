@@ -6,9 +6,10 @@ import dataclasses
 import json
 import os
 import re
+import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -19,6 +20,8 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.spec.files import read_text
 from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
 from graspdsl.spec.trials import MOST_TRIALS
+from graspdsl.trials.interruption import interruption
+from graspdsl.trials.lock import LOCK, locked, unwritable
 from graspdsl.trials.record import Duration, Trial, TrialRecord
 from graspdsl.trials.rows import COLUMNS, record_of, row_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory, write_trajectory
@@ -60,6 +63,7 @@ class RunFolder:
 
     def __init__(self, path: Path, manifest: Manifest) -> None:
         self.path, self.manifest = path, manifest
+        self._held: os.stat_result | None = None
 
     @classmethod
     def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[NamedFile] = ()) -> RunFolder:
@@ -75,15 +79,23 @@ class RunFolder:
                 occupied = True
             if occupied:
                 raise _refused("folder-not-empty", "this folder is not empty", "name another, or go on with --resume")
-            (path / SPEC).write_text(spec_text, encoding="utf-8")
-            for file in files:
-                copy = folder.files / file.kept_as
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                copy.write_bytes(file.content)
-            folder._save_manifest(content)
-            with folder._table() as table:
-                table.execute(_TABLE_MADE_BY)
+            try:
+                folder._fill(content, spec_text, files)
+            except BaseException:  # half a run is none
+                shutil.rmtree(path, ignore_errors=True)
+                raise
         return folder
+
+    def _fill(self, manifest: bytes, spec_text: str, files: Sequence[NamedFile]) -> None:
+        (self.path / SPEC).write_text(spec_text, encoding="utf-8")
+        for file in files:
+            copy = self.files / file.kept_as
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(file.content)
+        (self.path / TABLE).touch()
+        with self._table() as table:
+            table.execute(_TABLE_MADE_BY)
+        self._save_manifest(manifest)  # last of all, which makes it a run
 
     @classmethod
     def open(cls, path: Path) -> RunFolder:
@@ -111,6 +123,26 @@ class RunFolder:
             return read_text(self.path / SPEC)
         except DiagnosticError as error:
             raise self._damaged(SPEC, error.diagnostics[0].message) from error
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Within, no other process runs this run's trials. What one that was killed left half written is removed.
+
+        Raises DiagnosticError where another does, or where nothing can be written.
+        """
+        if self._held is not None:  # by whoever reads what is finished, then executes the rest
+            yield
+            return
+        with ExitStack() as stack:
+            with self._writing():
+                stack.enter_context(locked(self.path))
+                for left in (*self.path.glob(f"{MANIFEST}.*new"), *(self.path / TRAJECTORIES).glob("*.new")):
+                    left.unlink()
+                self._held = (self.path / LOCK).stat()
+            try:
+                yield
+            finally:
+                self._held = None
 
     def add(self, trial: Trial) -> None:
         """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot."""
@@ -197,32 +229,52 @@ class RunFolder:
     def _save_trajectory(self, trial: Trial) -> None:
         file = self.trajectory_file(trial.record.number)
         file.parent.mkdir(exist_ok=True)
-        draft = file.with_suffix(f".{os.getpid()}.new")
-        write_trajectory(draft, trial.trajectory)
-        draft.replace(file)
+        with _draft_of(file) as draft:
+            write_trajectory(draft, trial.trajectory)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
         try:
-            yield
+            with interruption.whole():
+                self._check_place()
+                yield
         except (OSError, sqlite3.Error) as error:
-            reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-            raise _refused("folder-not-writable", f"cannot write to this folder: {reason.lower()}", None) from error
+            self._check_place()
+            raise unwritable(error) from error
+
+    def _check_place(self) -> None:
+        """A run that is being written to must be where it was: not removed, nor another one's by now."""
+        if self._held is None:
+            return
+        if not _is(self.path / LOCK, self._held):
+            hint = "if it was moved, go on with --resume and its new name; if not, nothing is kept: begin a new run"
+            raise _refused("folder-gone", "this folder was removed or moved while its trials were run", hint)
+        if not (self.path / TABLE).is_file():
+            raise self._damaged(TABLE, "there is no such file")
 
     def _damaged(self, file: str, reason: str) -> DiagnosticError:
         message = f"this run is damaged: its {file} cannot be read: {reason}"
         return _refused("run-damaged", message, f"begin a new run, from its {SPEC} if that is left")
 
     def _save_manifest(self, content: bytes) -> None:
-        draft = self.path / f"{MANIFEST}.{os.getpid()}.new"
-        draft.write_bytes(content)
-        draft.replace(self.path / MANIFEST)
+        with _draft_of(self.path / MANIFEST) as draft:
+            draft.write_bytes(content)
 
     @contextmanager
     def _table(self) -> Iterator[sqlite3.Connection]:
-        with closing(sqlite3.connect(self.path / TABLE)) as connection, connection:
+        place = f"{(self.path / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
+        with closing(sqlite3.connect(place, uri=True)) as connection, connection:
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_VALUE)
             yield connection
+
+
+def made(folder: Path) -> Path:
+    """The folder, made if there is none. Raises DiagnosticError where it cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(error) from error
+    return folder
 
 
 def fresh_folder(parent: Path, name: str) -> Path:
@@ -242,8 +294,25 @@ def fresh_folder(parent: Path, name: str) -> Path:
             else:
                 return folder
     except OSError as error:
-        reason = (error.strerror or "unknown reason").lower()
-        raise _refused("folder-not-writable", f"cannot write to this folder: {reason}", None) from error
+        raise unwritable(error) from error
+
+
+@contextmanager
+def _draft_of(place: Path) -> Iterator[Path]:
+    """Where to write what takes the place of a file once it is whole, and is not left behind otherwise."""
+    draft = place.with_name(f"{place.name}.new")
+    try:
+        yield draft
+        draft.replace(place)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _is(path: Path, known: os.stat_result) -> bool:
+    try:
+        return os.path.samestat(path.stat(), known)
+    except OSError:
+        return False
 
 
 def _is_missing(path: Path) -> bool:
@@ -256,5 +325,5 @@ def _is_missing(path: Path) -> bool:
     return False
 
 
-def _refused(code: str, message: str, hint: str | None) -> DiagnosticError:
+def _refused(code: str, message: str, hint: str) -> DiagnosticError:
     return DiagnosticError([Diagnostic(code, message, hint=hint)])

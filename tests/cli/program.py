@@ -34,18 +34,22 @@ def heed_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def stopped(*words: str | Path, cwd: Path, after: str, stop: Stop) -> subprocess.CompletedProcess[str]:
-    """What the program answers when it is stopped once it has said a line with some text on stderr."""
-    command = [str(PROGRAM), *map(str, words)]
-    with subprocess.Popen(
-        command,
+def begun(*words: str | Path, cwd: Path, first: Callable[[], object] = heed_interrupts) -> subprocess.Popen[str]:
+    """The program as it runs, in a session of its own; ``first`` is done in its process before it begins."""
+    return subprocess.Popen(
+        [str(PROGRAM), *map(str, words)],
         cwd=cwd,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
         start_new_session=True,
-        preexec_fn=heed_interrupts,
-    ) as process:
+        preexec_fn=first,
+    )
+
+
+def stopped(*words: str | Path, cwd: Path, after: str, stop: Stop) -> subprocess.CompletedProcess[str]:
+    """What the program answers when it is stopped once it has said a line with some text on stderr."""
+    with begun(*words, cwd=cwd) as process:
         assert process.stderr is not None
         before = ""
         while after not in before:
@@ -54,7 +58,7 @@ def stopped(*words: str | Path, cwd: Path, after: str, stop: Stop) -> subprocess
             before += line
         stop(process)
         out, rest = process.communicate(timeout=60)
-    return subprocess.CompletedProcess(command, process.returncode, out, rest)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, rest)
 
 
 def interrupt(process: subprocess.Popen[str]) -> None:

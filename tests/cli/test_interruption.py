@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import signal
 import subprocess
+import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from cli.program import SPEC, TRIALS, FinishedRun, Stop, graspdsl, numbers, stopped
+from cli.program import SPEC, TRIALS, FinishedRun, Stop, begun, graspdsl, numbers, stopped
 from graspdsl.report.summary import summary
 from graspdsl.trials.store import RunFolder
 
@@ -71,6 +75,58 @@ def test_interrupted(stop: Stop, workers: int, finished: FinishedRun, tmp_path: 
     assert 1 <= report["trials"]["finished"] == len(kept) < TRIALS
     assert all(record in numbers(finished.document) for record in kept)
     assert _resumed(tmp_path) == numbers(finished.document)
+
+
+PATTERNS = {
+    "SIGTERM": (signal.SIGTERM, 1, _to_parent),
+    "SIGTERM to all": (signal.SIGTERM, 1, _to_all),
+    "SIGHUP to all": (signal.SIGHUP, 1, _to_all),
+    "Ctrl-C": (signal.SIGINT, 1, _to_all),
+    "SIGINT": (signal.SIGINT, 1, _to_parent),
+    "SIGINT twice": (signal.SIGINT, 2, _to_parent),
+    "Ctrl-C five times": (signal.SIGINT, 5, _to_all),
+}
+FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_signals_at_any_moment(pattern: str, workers: int, tmp_path: Path) -> None:
+    """From its start-up on, a large run ends soon, says once what is kept, and keeps it whole."""
+    number, times, to = PATTERNS[pattern]
+    moment = random.Random(f"{pattern}, {workers}").uniform(0.3, 4.0)
+    words = ("run", FLOATING, "--trials", "20000", "--workers", str(workers), "--out", "the run")
+    with begun(*words, cwd=tmp_path) as run:
+        time.sleep(moment)
+        asked = time.monotonic()
+        for _ in range(times):
+            with suppress(ProcessLookupError):
+                to(number)(run)
+            time.sleep(0.3 / times)
+        out, messages = run.communicate(timeout=60)  # which waits for its workers, who hold the other end of stderr
+        took = time.monotonic() - asked
+    assert (run.returncode, out, messages.count("interrupted")) == (130, "", 1)
+    assert took < 3.0
+    assert not list(tmp_path.rglob("*.new"))
+    if list(tmp_path.iterdir()):
+        assert messages.endswith(f"interrupted; {RESUME}")
+        folder = RunFolder.open(tmp_path / "the run")
+        assert len(folder.finished()) == len(folder.records())
+    else:
+        assert messages.endswith("interrupted; there was nothing to keep: give the command again\n")
+
+
+def test_what_is_said_is_said_where_a_simulator_is_silenced(tmp_path: Path) -> None:
+    code = (
+        "import os, signal\n"
+        "from graspdsl.trials.interruption import interruption\n"
+        "from graspdsl.worlds.bullet.engine import silenced\n"
+        "interruption.heed(130, b'the end')\n"
+        "with silenced():\n"
+        "    os.kill(os.getpid(), signal.SIGTERM)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"the end")
 
 
 def test_worker_killed(finished: FinishedRun, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from graspdsl.trials.store import RunFolder
 from graspdsl.worlds.annotations import INK
 from graspdsl.worlds.bullet.replay import GraspStudio, HandStudio, SurfaceStudio
 
-from .program import ROOT, SPEC, graspdsl
+from .program import ROOT, SPEC, graspdsl, interrupt, stopped
 
 QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
 HANDS = ROOT / "graspdsl" / "hands"
@@ -114,6 +114,12 @@ def test_a_film_of_a_trial(folder: RunFolder, tmp_path: Path) -> None:
     assert 1 < len(told) <= 20
     assert f" {frames}/{frames}  " in told[-1]
     assert [file.name for file in tmp_path.iterdir()] == ["trial.mp4"]
+
+
+def test_an_interrupted_film_leaves_no_draft(folder: RunFolder, tmp_path: Path) -> None:
+    words = ("view", folder.path, "--video", tmp_path / "trial.mp4")
+    assert stopped(*words, cwd=tmp_path, after="█", stop=interrupt).returncode == 130
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_a_film_maker_that_is_said(folder: RunFolder, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import multiprocessing
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.record import Trial
-from graspdsl.trials.runner import WorkerEndedError, execute, new_run
+from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run
 from graspdsl.trials.store import RunFolder
 
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
@@ -54,6 +55,28 @@ def test_a_killed_worker_ends_the_run_in_good_order(folder: RunFolder) -> None:
     assert caught.value.from_outside
     assert multiprocessing.active_children() == []
     assert 1 <= len(_numbers(folder)) < COUNT
+
+
+def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a trial costs this process does not depend on how many wait: it gives them out one by one."""
+    given: list[int] = []
+
+    class Pending(list[int]):
+        def __iter__(self) -> Iterator[int]:
+            for number in super().__iter__():
+                given.append(number)
+                yield number
+
+    def look(_: Trial) -> None:
+        seen.append(len(given))
+        if len(seen) == COUNT:
+            raise KeyError
+
+    seen: list[int] = []
+    monkeypatch.setattr("graspdsl.trials.runner.pending", lambda *_: Pending(range(100_000)))
+    with pytest.raises(KeyError):
+        execute(folder, 2, look)
+    assert seen == [2 * AHEAD + trial for trial in range(1, COUNT + 1)]
 
 
 def test_nothing_left_to_run(folder: RunFolder) -> None:

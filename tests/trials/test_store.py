@@ -102,6 +102,43 @@ def test_wall_time_adds_up(folder: RunFolder) -> None:
     assert RunFolder.open(folder.path).manifest.wall_s == 3.5
 
 
+def test_what_was_left_half_written_is_removed(folder: RunFolder) -> None:
+    drafts = [folder.path / "run.json.7.new", folder.path / "run.json.new", folder.path / "trajectories" / "1.7.new"]
+    for draft in drafts:
+        draft.touch()
+    before = {file for file in folder.path.rglob("*") if file not in drafts}
+    with folder.held():
+        pass
+    assert {file for file in folder.path.rglob("*") if file.name != "lock"} == before
+
+
+def test_one_writes_to_a_run_at_a_time(folder: RunFolder) -> None:
+    with folder.held(), folder.held():
+        other = RunFolder.open(folder.path)
+        with pytest.raises(DiagnosticError, match="another process is writing into this folder"), other.held():
+            pass
+        folder.add(TRIAL)
+    with other.held():
+        other.add(TRIAL)
+
+
+def test_a_run_in_the_place_of_another_is_not_written_to(folder: RunFolder) -> None:
+    with folder.held():
+        folder.path.rename(folder.path.with_name("moved"))
+        other = RunFolder.create(folder.path, MANIFEST, "")
+        with other.held(), pytest.raises(DiagnosticError, match="this folder was removed or moved"):
+            folder.add(TRIAL)
+    assert other.records() == []
+
+
+def test_what_cannot_be_written_leaves_no_draft(folder: RunFolder) -> None:
+    (folder.path / "trajectories" / "2.npz").unlink()
+    (folder.path / "trajectories" / "2.npz").mkdir()
+    with pytest.raises(DiagnosticError, match="cannot write to this folder: is a directory"):
+        folder.add(TRIAL)
+    assert not list(folder.path.rglob("*.new"))
+
+
 def test_a_trial_without_its_trajectory_is_not_finished(folder: RunFolder) -> None:
     assert len(folder.finished()) == 1
     file = folder.trajectory_file(2)
