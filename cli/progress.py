@@ -68,14 +68,27 @@ class TrialProgress(Progress):
     def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
         super().__init__(asked, len(finished))
         self._outcomes = Counter(record.outcome.value for record in finished)
+        self._drawing = ""
 
     def advance(self, trial: Trial) -> None:
         """One more trial is finished."""
         self._outcomes[trial.record.outcome.value] += 1
+        self._drawing = ""
         self.step()
 
+    def draw_again(self, number: int, draws: int) -> None:
+        """A trial still looks for a start, after so many draws that could not be taken up."""
+        first = not self._drawing and not self._outcomes
+        self._drawing = f"trial {number} looks for a start, {draws} draws so far"
+        if self._live:
+            self._draw()
+        elif first:
+            say(self._line())
+
     def _note(self) -> str:
-        return ", ".join(f"{count} {name}" for name, count in self._outcomes.most_common())
+        return ", ".join([*(f"{count} {name}" for name, count in self._outcomes.most_common()), self._drawing]).strip(
+            ", "
+        )
 
 
 def _duration(seconds: float) -> str:

@@ -96,7 +96,7 @@ def carried_on(folder: RunFolder, workers: int | None, *command: str) -> int:
         say(f"{manifest.name}: {what}{state} → {on_one_line(str(folder.path))}")
         try:
             with TrialProgress(manifest.asked, finished) as progress:
-                execute(folder, workers, progress.advance, finished)
+                execute(folder, workers, progress.advance, finished, progress.draw_again)
         except WorkerEndedError as end:
             say(f"{end}; {kept(*command)}")
             if not end.from_outside:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -28,7 +28,11 @@ from graspdsl.worlds.protocol import (
 )
 
 MOST_DRAWS = 500
+TOLD_EACH = 25  # draws
 OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
+
+
+OnDrawing = Callable[[int], None]
 
 
 class NoFeasibleStartError(Exception):
@@ -51,13 +55,16 @@ class TrialLoop:
         self._pipelines = program.pipelines()
         self._evaluation = Evaluation(program.spec.evaluate, program.spec.scene.friction, program.robot)
 
-    def run(self, number: int, seed: int) -> Trial:
-        """Run one trial. What goes wrong in the world is its outcome, not an exception."""
+    def run(self, number: int, seed: int, on_drawing: OnDrawing | None = None) -> Trial:
+        """Run one trial. What goes wrong in the world is its outcome, not an exception.
+
+        on_drawing: is told now and then how many draws of a start could not be taken up so far.
+        """
         began = time.perf_counter()
         random = generator(seed, number)
         start, rejected, log = None, list[RejectedStart](), Logbook(np.zeros(3))
         try:
-            start, observation = self._begin(number, random, rejected)
+            start, observation = self._begin(number, random, rejected, on_drawing)
             levels = max(len(pipeline.leaks) for stages in self._pipelines for pipeline in stages)
             log = Logbook(self._world.truth().object_position, levels)
             verdict = self._phases(observation, log)
@@ -102,7 +109,11 @@ class TrialLoop:
         return Trial(record, log.trajectory())
 
     def _begin(
-        self, number: int, random: np.random.Generator, rejected: list[RejectedStart]
+        self,
+        number: int,
+        random: np.random.Generator,
+        rejected: list[RejectedStart],
+        on_drawing: OnDrawing | None,
     ) -> tuple[Start, Observation]:
         """The first start that the world takes up; those before it are added to ``rejected``."""
         surface = self._program.robot.hand.palm_surface
@@ -116,6 +127,8 @@ class TrialLoop:
                 return start, self._world.reset(start, int(random.integers(2**31)))
             except InfeasibleStartError as error:
                 rejected.append(RejectedStart(start.drawn, str(error)))
+                if on_drawing is not None and len(rejected) % TOLD_EACH == 0:
+                    on_drawing(len(rejected))
                 beyond += isinstance(error, UnreachableStartError)
                 start = starts.send(isinstance(error, UnreachableStartError) and beyond % OUT_OF_REACH_EACH == 0)
         raise NoFeasibleStartError(rejected)

@@ -67,6 +67,12 @@ class TrialRecord:
     tare_s: float = 0.0
     quality: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether there was a start, and an object that stood, to begin with."""
+        fell = self.outcome is Outcome.TOPPLED and self.samples == 0 and not self.contact_forces
+        return not (self.outcome is Outcome.INFEASIBLE_START or fell)
+
     def as_dict(self) -> dict[str, object]:
         """Plain data, for the store."""
         return {**dataclasses.asdict(self), "outcome": self.outcome.value, "start": dict(self.start)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import multiprocessing
 import multiprocessing.connection
@@ -11,6 +12,7 @@ import signal
 import threading
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from multiprocessing import resource_tracker
@@ -25,7 +27,9 @@ from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], None]
+OnDrawing = Callable[[int, int], None]  # number of a trial, draws of a start that it could not take up so far
 TRIALS_WORTH_A_WORKER = 4
+TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
 AHEAD = 2  # trials that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
@@ -73,13 +77,15 @@ def execute(
     workers: int | None = None,
     on_trial: OnTrial | None = None,
     finished: Sequence[TrialRecord] | None = None,
+    on_drawing: OnDrawing | None = None,
 ) -> None:
     """Run the trials that are not finished yet; each is committed to the folder as it ends.
 
     finished: those that are, where they have been read already, for that takes a look at every trajectory.
 
-    Raises DiagnosticError as ``pending`` does, or when the folder cannot be written to; WorkerEndedError when a worker
-    is killed. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
+    Raises DiagnosticError as ``pending`` does, when the folder cannot be written to, or when none of the first trials
+    could begin (on a grid, where each trial starts elsewhere, all may run); WorkerEndedError when a worker is killed.
+    After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
     with folder.held():
         if finished is None:
@@ -97,12 +103,33 @@ def execute(
             with suppress(DiagnosticError):  # how long it took is not worth hiding how it ended
                 folder.spend(time.perf_counter() - began)
 
-        trials = _here(program, numbers, seed) if workers == 1 else _elsewhere(folder, numbers, seed, workers)
+        tell = on_drawing or (lambda _number, _draws: None)
+        if workers == 1:
+            trials = _here(program, numbers, seed, tell)
+        else:
+            trials = _elsewhere(folder, numbers, seed, workers, tell)
+        first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
+        barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):
             for trial in trials:
                 folder.add(trial)
                 if on_trial is not None:
                     on_trial(trial)
+                if trial.record.number < first and not trial.record.has_begun:
+                    barren[trial.record.number] = trial.record
+                if len(barren) == first and program.spec.trials.grid is None:
+                    raise DiagnosticError([_none_begins(list(barren.values()))])
+
+
+def _none_begins(records: Sequence[TrialRecord]) -> Diagnostic:
+    reasons = Counter(start.reason for record in records for start in record.rejected)
+    reasons.update(record.detail for record in records if not record.rejected)
+    trials = (
+        "the trial could not begin" if len(records) == 1 else f"none of the first {len(records)} trials could begin"
+    )
+    found = "; ".join(f"{reason} ({count})" for reason, count in reasons.most_common())
+    message = f"{trials}: {found}"
+    return Diagnostic("no-trial-begins", message, hint="let trials.start put the hand elsewhere, or use another object")
 
 
 def _differs(made_by: Mapping[str, str]) -> Diagnostic:
@@ -115,10 +142,10 @@ def _differs(made_by: Mapping[str, str]) -> Diagnostic:
     return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")
 
 
-def _here(program: Program, numbers: Sequence[int], seed: int) -> Generator[Trial, None, None]:
+def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[Trial, None, None]:
     loop = trial_loop(program)
     for number in numbers:
-        yield loop.run(number, seed)
+        yield loop.run(number, seed, functools.partial(tell, number))
 
 
 Recipe = tuple[str, str, tuple[str, ...], Path]  # what program_of makes a program from
@@ -138,7 +165,8 @@ def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
     try:
         loop = trial_loop(program_of(*recipe))
         while True:
-            pipe.send(loop.run(pipe.recv(), seed))
+            number = pipe.recv()
+            pipe.send(loop.run(number, seed, lambda draws, number=number: pipe.send((number, draws))))
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
@@ -153,7 +181,9 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: int) -> Generator[Trial, None, None]:
+def _elsewhere(
+    folder: RunFolder, numbers: Sequence[int], seed: int, workers: int, tell: OnDrawing
+) -> Generator[Trial, None, None]:
     recipe, left = _recipe(folder), iter(numbers)
     crew: dict[Pipe, Worker] = {}
 
@@ -173,10 +203,13 @@ def _elsewhere(folder: RunFolder, numbers: Sequence[int], seed: int, workers: in
         while missing:
             # A signal just before a wait is heeded after it.
             for pipe in set(crew).intersection(multiprocessing.connection.wait(list(crew), timeout=GLANCE)):
-                trial = _received(pipe, crew[pipe])
+                answer = _received(pipe, crew[pipe])
+                if isinstance(answer, tuple):
+                    tell(*answer)
+                    continue
                 give(pipe)
                 missing -= 1
-                yield trial
+                yield answer
 
 
 def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
@@ -189,9 +222,10 @@ def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
     return here, worker
 
 
-def _received(pipe: Pipe, worker: Worker) -> Trial:
+def _received(pipe: Pipe, worker: Worker) -> Trial | tuple[int, int]:
+    """A trial, or the number of one and how many draws of a start it could not take up so far."""
     try:
-        answer: Trial | Exception = pipe.recv()
+        answer: Trial | tuple[int, int] | Exception = pipe.recv()
     except (EOFError, OSError):
         worker.join(timeout=GLANCE)
         raise WorkerEndedError(worker.exitcode) from None

@@ -182,7 +182,12 @@ ENDINGS = (
         (),
     ),
     Ending(
-        "a start in the table", Outcome.INFEASIBLE_START, "cannot close", MAIN, ("trials.start={height: -0.05}",), ()
+        "a start in the table",
+        Outcome.INFEASIBLE_START,
+        "without meeting the object",
+        MAIN,
+        ("trials.start={height: -0.05}",),
+        (),
     ),
 )
 WAYS = [(ending, change, outcome) for ending in ENDINGS for change, outcome in ending.otherwise]
