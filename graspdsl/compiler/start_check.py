@@ -50,11 +50,9 @@ class _Sizes:
     def all(self) -> None:
         extent = self._body.shape.extent
         if max(extent) > min(TABLE_SIZE[:2]):
-            self._warn_of_object(
-                "object-too-large",
-                f"the object is {max(extent):.3g} m long, where the table is {min(TABLE_SIZE[:2]):g} m wide",
-                "lengths are in metres; a mesh in millimetres needs scale: 0.001",
-            )
+            if not (isinstance(self._thing, InlineObject) and (self._thing.mesh or self._thing.urdf)):  # told already
+                about = f"the object is {max(extent):.3g} m long, where the table is {min(TABLE_SIZE[:2]):g} m wide"
+                self._warn_of_object("object-size", about, "lengths are in metres")
             return
         anchored = isinstance(self._thing, InlineObject) and (self._thing.held or self._thing.fixed)
         if anchored or not (self._falls() or self._is_too_wide()):

@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,7 @@ def test_an_answer_does_not_depend_on_those_before_it() -> None:
         (side_start(height=1.2), "finger-1 closes without meeting the object"),
         (side_start(standoff=0.002), "another link"),
         (side_start(height=0.0, roll=math.pi / 2), "another link"),
+        (replace(side_start(), posture={"base-1": 2.443}), "finger-1 starts closed"),
     ],
 )
 def test_why_a_start_cannot_be_taken_up(start: Start, reason: str) -> None:

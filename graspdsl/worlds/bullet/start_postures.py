@@ -94,6 +94,8 @@ class StartPostures:
 
         Steps within which nothing can come near, however the finger moves, are not looked at.
         """
+        if not motion.any():
+            raise InfeasibleStartError(f"{name} starts closed")
         links = self._hand.links_beyond(joints)
         step = CLOSING_STEP / float(np.abs(motion).max())
         candidates = [posture + share * motion for share in np.arange(0.0, 1.0, step)]
