@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.basis.rotations import exponential
 from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.hands.articulated_inertia import axis_of, mass_of, pose_of
@@ -34,7 +34,8 @@ def fingertip_complaints(
     A declared shape reaches h(n) = max n · p over its points p along a unit vector n, and so does the collision
     geometry of its link: a flat or gently curved object with the normal −n touches there first. They must agree where
     the fingertip is to touch: in each direction n with n · v ≥ 0, where v is the way in which the closing joints of its
-    finger move it, and in which it reaches beyond the link that it hangs on. Joints are where they are nearest to 0.
+    finger move it, and in which it reaches beyond the link that it is fixed to, or away from the joint that moves it.
+    Joints are where they are nearest to 0.
 
     corners: the corners (c, 3) of each collision mesh by its name in the model. A link without collision geometry
     is nothing to compare: worlds give it the declared shape.
@@ -63,8 +64,7 @@ class _Check:
             yield self._said("no-mass", message, ("contacts", name, "link"), hint, Severity.WARNING)
         ahead = self._ahead(contact, hand)
         declared = reach(contact.shape, ahead)
-        above, behind = self._behind(contact.link, ahead)
-        outward = declared > behind
+        outward, above = self._outward(contact, ahead, declared)
         if not outward.any():
             message = f"the {kind} of {name} reaches nowhere beyond {above} on the side to which its finger closes"
             hint = f"{above} would touch first: move the centre outwards, or make the {kind} larger"
@@ -131,17 +131,20 @@ class _Check:
             link = joint.parent
         return place, rotation
 
-    def _behind(self, link: str, ahead: Array) -> tuple[str, Array]:
-        """The nearest link that a fingertip hangs on and that has collision geometry, and how far that reaches."""
-        above = {joint.child: joint.parent for joint in self._model.joints.values()}
-        at = link
-        while at in above:
-            at = above[at]
-            place, rotation = self._pose(link, at)
+    def _outward(self, contact: Contact, ahead: Array, declared: Array) -> tuple[Flags, str]:
+        """In which directions a fingertip reaches beyond the link that it is fixed to, and which that is.
+
+        Where nothing that it is fixed to has collision geometry: those from the joint that moves it to its centre.
+        """
+        above = {joint.child: joint for joint in self._model.joints.values()}
+        at = contact.link
+        while at in above and above[at].kind == FIXED:
+            at = above[at].parent
+            place, rotation = self._pose(contact.link, at)
             far = self._reach(self._links[at], ahead @ rotation)
             if far is not None:
-                return at, far + ahead @ place
-        return link, np.full(len(ahead), -math.inf)
+                return declared > far + ahead @ place, at
+        return ahead @ (np.array(contact.shape.centre) - self._pose(contact.link, at)[0]) >= 0.0, at
 
     def _reach(self, link: ElementTree.Element, directions: Array) -> Array | None:
         """How far (d,) [m] the collision geometry of a link reaches along directions (d, 3), both in the link's frame;
