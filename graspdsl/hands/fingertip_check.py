@@ -10,7 +10,7 @@ import numpy as np
 
 from graspdsl.arrays import Array, Flags
 from graspdsl.basis.rotations import exponential
-from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.articulated_inertia import axis_of, mass_of, pose_of
 from graspdsl.hands.completion import finger_of
 from graspdsl.hands.descriptions import Contact, Hand
@@ -23,6 +23,7 @@ DIRECTIONS = 4000  # about 3 degrees apart
 EQUAL = 1e-6  # m, between two spheres or two capsules: files have few digits
 # m, between a round shape and what stands for it, as facets do: a fingertip gives way by as much under 1 N.
 ALIKE = 2.0 / 3.0 * 1e-3
+MESHES = "collision/geometry/mesh"
 STILL = 1e-9  # m per rad or m: no motion
 
 
@@ -38,12 +39,13 @@ def fingertip_complaints(
     Joints are where they are nearest to 0.
 
     corners: the corners (c, 3) of each collision mesh by its name in the model. A link without collision geometry
-    is nothing to compare: worlds give it the declared shape.
+    is nothing to compare: worlds give it the declared shape. Nor is one of a finger with other faults.
     """
     check = _Check(model, corners, document)
-    for name, contact in hand.contacts.items():
-        if contact.link in model.links:
-            yield from check.fingertip(name, contact, hand)
+    sound = {name: contact for name, contact in hand.contacts.items() if check.is_sound(contact)}
+    yield from check.masses(sound)
+    for name, contact in sound.items():
+        yield from check.fingertip(name, contact, hand)
 
 
 class _Check:
@@ -52,16 +54,27 @@ class _Check:
         self._links = {link.get("name", ""): link for link in model.tree.iterfind("link")}
         self._made = {joint.get("name", ""): joint for joint in model.tree.iterfind("joint")}
 
+    def is_sound(self, contact: Contact) -> bool:
+        """Whether the links and joints from the root to a fingertip are as the model has them."""
+        movers = self._model.movers(contact.link)
+        links = [contact.link, *(self._model.joints[name].parent for name in movers)]
+        return not self._model.unsound & {*movers, *links} and all(
+            link in self._links and all(m.get("filename") in self._corners for m in self._links[link].iterfind(MESHES))
+            for link in links
+        )
+
+    def masses(self, contacts: Mapping[str, Contact]) -> Iterator[Diagnostic]:
+        """One warning of all fingertips without mass."""
+        light = [name for name, contact in contacts.items() if mass_of(self._links[contact.link]) == 0.0]
+        if light:
+            message = f"the model gives no mass to the fingertips {listed(light)}: they have no weight"
+            hint = f"where that is not meant, give {contacts[light[0]].link} an <inertial> in the model"
+            yield self._said("no-mass", message, ("contacts", light[0], "link"), hint, Severity.WARNING)
+
     def fingertip(self, name: str, contact: Contact, hand: Hand) -> Iterator[Diagnostic]:
         kind = "sphere" if contact.sphere else "capsule" if contact.capsule else "ellipsoid"
         path = ("contacts", name, kind)
         link = self._links[contact.link]
-        if mass_of(link) == 0.0:
-            message = (
-                f"the link {contact.link} of the fingertip {name} has no mass: it is moved as if it weighed nothing"
-            )
-            hint = f"give {contact.link} an <inertial> in the model, where that is not meant"
-            yield self._said("no-mass", message, ("contacts", name, "link"), hint, Severity.WARNING)
         ahead = self._ahead(contact, hand)
         declared = reach(contact.shape, ahead)
         outward, above = self._outward(contact, ahead, declared)

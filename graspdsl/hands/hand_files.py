@@ -72,9 +72,8 @@ def _found(files: SpecFolder, name: str, document: Document) -> FoundHand:
     complaints = [*of_meshes.values(), *model.warnings, *_undrawn(of_drawn)]
     complaints = [*of_model, *(_placed(complaint, document) for complaint in complaints)]
     complaints += faults(hand, model, document)
-    if not of_model and not of_meshes:
-        corners = {mesh: found.corners for mesh, found in meshes.items()}
-        complaints += fingertip_complaints(hand, model, corners, document)
+    corners = {mesh: found.corners for mesh, found in meshes.items()}
+    complaints += fingertip_complaints(hand, model, corners, document)
     if has_errors(complaints):
         raise DiagnosticError(in_reading_order(complaints))
     filenames = {mesh: found.place for mesh, found in (meshes | drawn).items()}

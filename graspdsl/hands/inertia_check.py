@@ -47,18 +47,19 @@ def check_inertias(
     }
     turning = [checked.joint.child for checked in moving.values() if checked.joint.kind in ROTATING]
     turned = {link for child in turning for link in whole.below(child)}
+    unsound = set(check.unsound)
     for name, link in links.items():
-        if name not in check.unsound:
+        if name not in unsound:
             before = len(check.found)
             _check_moments(whole.links[name], link, name in turned and mass_of(link) > 0.0, check)
             if len(check.found) > before:
-                check.unsound.add(name)
-    weighed = {name: ElementTree.Element("link") if name in check.unsound else link for name, link in links.items()}
+                unsound.add(name)
+    weighed = {name: ElementTree.Element("link") if name in unsound else link for name, link in links.items()}
     frames = {name: _frame(checked, sound=name not in check.unsound) for name, checked in joints.items()}
     for name, driven in driven_inertias(weighed, frames, root).items():
         joint = moving[name].joint
         below = whole.below(joint.child)
-        if check.unsound & (below | {inner for inner, found in joints.items() if found.joint.parent in below}):
+        if unsound & (below | {inner for inner, found in joints.items() if found.joint.parent in below}):
             continue
         if not any(mass_of(links[link]) > 0.0 for link in below):
             message = f"the joint {name} moves links without mass"

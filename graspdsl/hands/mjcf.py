@@ -140,7 +140,7 @@ class _Conversion:
             if inner.element.tag == "body":
                 self._body(inner, name, hinge.place)
             elif inner.element.tag == "geom":
-                with self._source.noting():
+                with self._noting(name):
                     self._geom(self._defaults.part(inner.element, inner.inherited), link, inner.about, hinge.place)
 
     def _name(self, body: Part) -> str:
@@ -152,7 +152,7 @@ class _Conversion:
             if name in self._parents:
                 raise body.refused("another body has this name", "give each its own")
             return name
-        return f"{name}-{len(self._parents)}"
+        return f"{name or 'body'}-{len(self._parents)}"
 
     @contextmanager
     def _noting(self, *names: str) -> Iterator[None]:

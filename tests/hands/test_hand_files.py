@@ -6,17 +6,21 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pybullet_data
 import pytest
 import yaml
 
 from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.hands.descriptions import HERE
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
+from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
+from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.trials.loop import identity
 from graspdsl.trials.setup import trial_loop
+from graspdsl.worlds.bullet.engine import pybullet
+from graspdsl.worlds.bullet.hand import BulletHand
 
 PANDA = Path(pybullet_data.getDataPath(), "franka_panda", "panda.urdf")
 # The flat pads of its fingers are no fingertips that sense: each gets one before it.
@@ -205,3 +209,67 @@ def test_json_is_of_hand_files_too(tmp_path: Path, capsys: pytest.CaptureFixture
     assert ran.exit_code == 1
     (file,) = json.loads(ran.stdout)["files"]
     assert {fault["line"] for fault in file["diagnostics"]} == {6, 7}
+
+
+SLIDE = TWO_LINKS.replace('type="revolute"', 'type="prismatic"').replace("{mesh}", "").replace("{lower}", "0")
+
+
+@pytest.mark.parametrize(
+    ("closes", "lower", "upper", "opened", "closed"),
+    [
+        (1, 0.0, 0.04, 0.0, 0.04),
+        (-1, 0.0, 0.04, 0.04, 0.0),
+        (1, -0.04, 0.0, -0.04, 0.0),
+        (-1, -0.04, 0.0, 0.0, -0.04),
+        (1, -0.5, 1.0, 0.0, 1.0),
+        (-1, 0.2, 1.0, 1.0, 0.2),
+        (1, 0.2, 1.0, 0.2, 1.0),
+    ],
+)
+def test_open_is_never_closed(
+    closes: int, lower: float, upper: float, opened: float, closed: float, tmp_path: Path
+) -> None:
+    model = SLIDE.replace('lower="0" upper="1"', f'lower="{lower}" upper="{upper}"')
+    hand = read(tmp_path, {"joints": {"bend": {"weight": 10.0, "closes": closes}}}, urdf=model).hand
+    assert hand.postures == {"open": {"bend": opened}, "closed": {"bend": closed}}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"joints": {"bend": {"weight": 1.0}}},
+        {"postures": {"open": {"bend": 1.0}}},
+        {"postures": {"open": {"bend": 0.3}, "closed": {"bend": 0.3}}},
+        {"contacts": {"pad": {"link": "palm", "sphere": {"radius": 0.01}}}},
+    ],
+)
+def test_a_fingertip_that_nothing_closes_is_an_error(changes: dict[str, object], tmp_path: Path) -> None:
+    faults = complaints(tmp_path, changes)
+    assert "never-closes" in [fault.code for fault in faults]
+
+
+def test_a_mimic_of_a_driven_joint_is_passed_over_with_a_warning(tmp_path: Path) -> None:
+    mimic = '<mimic joint="other" multiplier="-2"/><axis xyz="1 0 0"/>'
+    model = TWO_LINKS.replace('<axis xyz="1 0 0"/>', mimic).replace("{mesh}", "").replace("{lower}", "0")
+    (warning,) = read(tmp_path, {}, urdf=model).warnings
+    assert (warning.code, warning.severity) == ("mimic-passed-over", Severity.WARNING)
+    assert "bend mimics other" in warning.message
+    assert "bend: {follows: other, ratio: -2}" in (warning.hint or "")
+
+
+@pytest.mark.parametrize("effort", ["", 'effort="0"', 'effort="3"'])
+def test_an_effort_that_a_model_does_not_state_is_told(effort: str, tmp_path: Path) -> None:
+    model = TWO_LINKS.replace('effort="1"', effort).replace("{mesh}", "").replace("{lower}", "0")
+    found = read(tmp_path, {}, urdf=model)
+    robot = Robot(hand=found.hand, mount=mounts()["gantry"], hand_model=found.model)
+    engine = pybullet()
+    client = engine.connect(engine.DIRECT)
+    try:
+        hand = BulletHand(engine, client, robot, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), 0.4)
+    finally:
+        engine.disconnect(client)
+    used = hand.efforts[hand.movable_names.index("bend")]
+    assert used == (3.0 if "3" in effort else UNSTATED_EFFORT)
+    said = [warning.message for warning in found.warnings]
+    assert len(said) == ("3" not in effort)
+    assert all("of bend: up to 50 N m, or N of a slide, is used" in message for message in said)

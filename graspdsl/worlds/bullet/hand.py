@@ -115,7 +115,7 @@ class BulletHand:
             self.coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
         rows = [self.movable_names.index(name) for name in order]
         self._actuated_rows = np.array(rows)
-        self._efforts = [infos[j][10] or UNSTATED_EFFORT for j in self.movable]
+        self.efforts = [infos[j][10] or UNSTATED_EFFORT for j in self.movable]
 
     def _ignore_neighbours(self) -> None:
         # The primitives of neighbouring links overlap by up to 1.6 mm, and so do those two links apart.
@@ -174,7 +174,7 @@ class BulletHand:
             self.movable,
             self._engine.POSITION_CONTROL,
             targetPositions=(self.coupling @ joints).tolist(),
-            forces=self._efforts,
+            forces=self.efforts,
             physicsClientId=self._client,
         )
 
