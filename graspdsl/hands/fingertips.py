@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from graspdsl.arrays import Array
+from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.spec.fields import Metres, Model, Number, Unit, exactly, fault
 
 Size = Annotated[Metres, Field(gt=0.0, le=1.0)]
@@ -48,3 +51,16 @@ class CapsuleTip(Model):
 
 
 FingertipShape = SphereTip | EllipsoidTip | CapsuleTip
+
+
+def reach(shape: FingertipShape, directions: Array) -> Array:
+    """How far (d,) [m] a shape reaches from the origin of its link along unit vectors (d, 3): max n · p over it."""
+    match shape:
+        case SphereTip():
+            reached = np.full(len(directions), shape.radius)
+        case EllipsoidTip():
+            reached = np.linalg.norm(directions @ turned_by_angles(shape.rpy) * shape.semi_axes, axis=1)
+        case CapsuleTip():
+            axis = np.array(shape.axis) / np.linalg.norm(shape.axis)
+            reached = shape.radius + shape.length / 2.0 * np.abs(directions @ axis)
+    return np.asarray(directions @ np.array(shape.centre) + reached)

@@ -1,4 +1,4 @@
-"""A hand file held against its model: every fault with its place."""
+"""A hand file held against its model: every fault and warning with its place."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Collection, Iterator, Sequence
 
 from pydantic_core import PydanticCustomError
 
-from graspdsl.diagnostics import Diagnostic, known_names_hint
+from graspdsl.diagnostics import Diagnostic, Severity, known_names_hint, listed
+from graspdsl.hands.completion import finger_of, open_and_closed
 from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
 from graspdsl.hands.model_joints import origin_of_motion
 from graspdsl.hands.robot_model import RobotModel
@@ -18,7 +19,7 @@ from graspdsl.spec.wording import shortened
 
 
 def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
-    """What a hand file says that its model does not bear out."""
+    """What a hand file says that its model does not bear out, and warnings of what is passed over."""
     check = _Check(hand, model, document)
     return [
         *check.names(),
@@ -26,6 +27,7 @@ def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic
         *check.joints(),
         *check.couplings(),
         *check.contacts(),
+        *check.motions(),
         *check.joint_sets(),
         *check.postures(),
     ]
@@ -71,16 +73,29 @@ class _Check:
         movable = {name for name, joint in self._model.joints.items() if joint.kind in HINGES}
         for name in self._hand.joints:
             yield from self._movable(name, ("joints", name), movable)
+            yield from self._passed_over(name)
         spoken_for = {*self._hand.joints, *self._hand.couplings}
         # A name that is not there is most likely one of those left out, misspelt.
-        for name in sorted(movable - spoken_for) if spoken_for <= {*self._model.joints} else ():
+        for name in sorted(movable - spoken_for - self._model.unsound) if spoken_for <= {*self._model.joints} else ():
             message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
             yield self._error(
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
             )
 
+    def _passed_over(self, name: str) -> Iterator[Diagnostic]:
+        """A driven joint goes where it is told, whatever joint it mimics in the model."""
+        joint = self._model.joints.get(name)
+        if joint is not None and joint.mimic is not None:
+            leader, ratio = shortened(joint.mimic.joint), joint.mimic.multiplier
+            message = f"in the model {name} mimics {leader}: that is passed over, for it is driven here"
+            hint = f"to couple it, write under couplings: {name}: {{follows: {leader}, ratio: {ratio:g}}}"
+            span = self._document.key_span(("joints", name))
+            yield Diagnostic("mimic-passed-over", message, span=span, hint=hint, severity=Severity.WARNING)
+
     def _movable(self, name: str, path: Path, movable: Collection[str], coupled: bool = False) -> Iterator[Diagnostic]:
         joint = self._model.joints.get(name)
+        if name in self._model.unsound:
+            return
         if joint is None:
             yield self._unknown("joint", name, path, movable, key=True)
         elif joint.kind not in HINGES:
@@ -185,6 +200,22 @@ class _Check:
             ]
             hint = f"use {before[0]}" if before else f"put a fixed joint before {link} in the model"
             yield self._error("wrong-load-cell", message, path, hint)
+
+    def motions(self) -> Iterator[Diagnostic]:
+        """A finger closes from open to closed until its tip touches."""
+        opened, closed = open_and_closed(self._hand, self._model)
+        for name, contact in self._hand.contacts.items():
+            finger = finger_of(contact, self._hand, self._model)
+            known = [joint for joint in finger if self._limits(joint) is not None and joint in self._hand.joints]
+            if contact.link not in self._model.links or len(known) < len(finger):
+                continue
+            if all(opened[joint] == closed[joint] for joint in known):
+                where = (
+                    f"{listed(known)} stay where they are from open to closed" if known else "no driven joint moves it"
+                )
+                message = f"the fingertip {name} cannot close: {where}"
+                hint = "say which way its joints close, by closes: 1 or closes: -1, or let the two postures differ"
+                yield self._error("never-closes", message, ("contacts", name), hint, key=True)
 
     def joint_sets(self) -> Iterator[Diagnostic]:
         for name, joints in self._hand.joint_sets.items():

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import posixpath
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
-from graspdsl.hands.descriptions import Contact, Hand
+from graspdsl.arrays import Array
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, in_reading_order
+from graspdsl.hands.completion import completed
+from graspdsl.hands.descriptions import Hand
+from graspdsl.hands.fingertip_check import fingertip_complaints
 from graspdsl.hands.hand_check import faults
-from graspdsl.hands.mesh_check import check_mesh
-from graspdsl.hands.robot_model import RobotModel, robot_model
+from graspdsl.hands.mesh_check import mesh_corners
+from graspdsl.hands.robot_model import FaultyModelError, RobotModel, robot_model
 from graspdsl.hands.urdf_check import undrawn
 from graspdsl.spec.document import Document, parse_document
 from graspdsl.spec.files import SIZE_LIMIT, with_plain_line_ends
@@ -53,58 +58,30 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
         raise refusal("file-too-large", message, "check that this is the file you meant")
     text = with_plain_line_ends(content.decode("utf-8", errors="replace"))
     try:
-        document = parse_document(text, name)
-        hand = validate_document(document, Hand)
-        model = _model(files, name, hand, document)
-        found = faults(hand, model, document)
-        if found:
-            raise DiagnosticError(in_reading_order(found))
-        places = MeshPlaces(files, _beside(name, hand.urdf))
-        meshes = {mesh: _mesh(files, places, mesh, document) for mesh in model.meshes}
-        drawn, undrawn_meshes = _drawn_meshes(files, places, model, document)
+        return _found(files, name, parse_document(text, name))
     except DiagnosticError as error:
         raise HandFileError(name, text, error) from None
-    warnings = tuple(_placed(warning, document) for warning in (*model.warnings, *undrawn_meshes))
-    return FoundHand(completed(hand, model), model.with_meshes({**meshes, **drawn}), warnings)
 
 
-def completed(hand: Hand, model: RobotModel) -> Hand:
-    """A hand with what its file leaves to its model.
-
-    The root is the model's, the palm the root; a finger is all driven joints that move its tip; open is the
-    place of each joint that is nearest to 0, closed where the joints that close have gone as far as they can.
-    """
-    limits = {name: model.joints[name].limits or (0.0, 0.0) for name in hand.joints}
-    opened = {name: min(max(0.0, low), high) for name, (low, high) in limits.items()}
-    closed = {
-        name: limits[name][1] if joint.closes > 0 else limits[name][0] if joint.closes < 0 else opened[name]
-        for name, joint in hand.joints.items()
-    }
-    postures = {
-        "open": {**opened, **hand.postures.get("open", {})},
-        "closed": {**closed, **hand.postures.get("closed", {})},
-    }
-    contacts = {name: _with_finger(contact, hand, model) for name, contact in hand.contacts.items()}
-    root = hand.root or model.root
-    changes = {
-        "urdf": hand.urdf or hand.mjcf,
-        "root": root,
-        "palm": hand.palm or root,
-        "postures": postures,
-        "contacts": contacts,
-    }
-    return hand.model_copy(update=changes)
+def _found(files: SpecFolder, name: str, document: Document) -> FoundHand:
+    hand = validate_document(document, Hand)
+    model, of_model = _model(files, name, hand, document)
+    places = MeshPlaces(files, _beside(name, hand.urdf))
+    meshes, of_meshes = _meshes(files, places, model.meshes)
+    drawn, of_drawn = _meshes(files, places, model.drawn)
+    complaints = [*of_meshes.values(), *model.warnings, *_undrawn(of_drawn)]
+    complaints = [*of_model, *(_placed(complaint, document) for complaint in complaints)]
+    complaints += faults(hand, model, document)
+    corners = {mesh: found.corners for mesh, found in meshes.items()}
+    complaints += fingertip_complaints(hand, model, corners, document)
+    if has_errors(complaints):
+        raise DiagnosticError(in_reading_order(complaints))
+    filenames = {mesh: found.place for mesh, found in (meshes | drawn).items()}
+    return FoundHand(completed(hand, model), model.with_meshes(filenames), tuple(complaints))
 
 
-def _with_finger(contact: Contact, hand: Hand, model: RobotModel) -> Contact:
-    if contact.finger:
-        return contact
-    movers = (hand.couplings[name].follows if name in hand.couplings else name for name in model.movers(contact.link))
-    own = tuple(dict.fromkeys(name for name in movers if name in hand.joints))
-    return contact.model_copy(update={"finger": own})
-
-
-def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> RobotModel:
+def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> tuple[RobotModel, Sequence[Diagnostic]]:
+    """The model as far as it can be read, and its faults."""
     file = hand.urdf or hand.mjcf
     if bool(hand.urdf) == bool(hand.mjcf):
         hint = "name the model: urdf: my_hand.urdf"
@@ -116,42 +93,45 @@ def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> Robo
             ]
         )
     try:
-        return robot_model(files.read(_beside(name, file)), file, hand.root)
+        return robot_model(files.read(_beside(name, file)), file, hand.root), ()
+    except FaultyModelError as error:
+        return error.model, [_placed(fault, document) for fault in error.diagnostics]
     except DiagnosticError as error:
-        raise _at(error, document) from None
+        raise DiagnosticError([_placed(fault, document) for fault in error.diagnostics]) from None
 
 
-def _mesh(files: SpecFolder, places: MeshPlaces, mesh: str, document: Document) -> str:
-    """Where a mesh is that the engine can take."""
-    try:
-        name = places.name(mesh)
-        check_mesh(mesh, files.read(name))
-    except DiagnosticError as error:
-        raise _at(error, document) from None
-    return str(files.place(name).resolve())
+class _FoundMesh(NamedTuple):
+    """Where a mesh is that the engine can take, and its corners (c, 3) in the units of its file."""
+
+    place: str
+    corners: Array
 
 
-def _drawn_meshes(
-    files: SpecFolder, places: MeshPlaces, model: RobotModel, document: Document
-) -> tuple[dict[str, str], tuple[Diagnostic, ...]]:
-    """Where the meshes are that are only drawn, and a warning for each kind of those that cannot be."""
-    found, faults = dict[str, str](), dict[str, Diagnostic]()
-    for mesh in model.drawn:
+def _meshes(
+    files: SpecFolder, places: MeshPlaces, names: Iterable[str]
+) -> tuple[dict[str, _FoundMesh], dict[str, Diagnostic]]:
+    """The meshes of a model, and the faults of those that the engine cannot take."""
+    found, faulty = dict[str, _FoundMesh](), dict[str, Diagnostic]()
+    for mesh in names:
         try:
-            found[mesh] = _mesh(files, places, mesh, document)
+            name = places.name(mesh)
+            corners = mesh_corners(mesh, files.read(name))
+            found[mesh] = _FoundMesh(str(files.place(name).resolve()), corners)
         except DiagnosticError as error:
-            fault = error.diagnostics[0]
-            faults.setdefault(fault.code, undrawn(fault, "this mesh"))
-    return found, tuple(faults.values())
+            faulty[mesh] = error.diagnostics[0]
+    return found, faulty
+
+
+def _undrawn(faulty: Mapping[str, Diagnostic]) -> Iterable[Diagnostic]:
+    """A warning for each kind of fault in meshes that are only drawn."""
+    kinds = dict[str, Diagnostic]()
+    for fault in faulty.values():
+        kinds.setdefault(fault.code, undrawn(fault, "this mesh"))
+    return kinds.values()
 
 
 def _beside(name: str, other: str) -> str:
     return other if posixpath.isabs(other) else posixpath.join(posixpath.dirname(name), other)
-
-
-def _at(error: DiagnosticError, document: Document) -> DiagnosticError:
-    """The same complaints, at the place where the model is named."""
-    return DiagnosticError([_placed(diagnostic, document) for diagnostic in error.diagnostics])
 
 
 def _placed(diagnostic: Diagnostic, document: Document) -> Diagnostic:

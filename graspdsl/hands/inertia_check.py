@@ -20,7 +20,7 @@ from graspdsl.hands.articulated_inertia import (
 from graspdsl.hands.kinematic_tree import KinematicTree
 from graspdsl.hands.model_joints import CheckedJoint
 from graspdsl.hands.urdf_check import UrdfCheck
-from graspdsl.hands.urdf_rules import FIXED, ROTATING
+from graspdsl.hands.urdf_rules import FIXED, HINGES, ROTATING
 
 ROUNDING = 1e-2  # of the largest principal moment: what three digits leave open
 LEAST = 1e-9  # of the largest principal moment, of the copy for the engine
@@ -39,27 +39,34 @@ def check_inertias(
     """Hold the inertias of checked links and joints against what the engine can move, and mend what is only rounded.
 
     A joint that moves needs mass behind it, and inertia about its axis: else the engine holds it still. It takes
-    moments for zero of which one is negative or above the sum of the others.
+    moments for zero of which one is negative or above the sum of the others. What hangs on links and joints that have
+    faults already is passed over.
     """
-    moving = {name: checked for name, checked in joints.items() if checked.joint.kind != FIXED}
-    for name, checked in moving.items():
-        child = checked.joint.child
-        if not any(mass_of(links[link]) > 0.0 for link in whole.below(child)):
-            message = f"the joint {name} moves links without mass"
-            check.fault(checked.element, "no-mass", message, f"give {child} an <inertial> with its mass")
-    if check.found:
-        return
+    moving = {
+        name: checked for name, checked in joints.items() if checked.joint.kind in HINGES and name not in check.unsound
+    }
     turning = [checked.joint.child for checked in moving.values() if checked.joint.kind in ROTATING]
     turned = {link for child in turning for link in whole.below(child)}
+    unsound = set(check.unsound)
     for name, link in links.items():
-        _check_moments(whole.links[name], link, name in turned and mass_of(link) > 0.0, check)
-    if check.found:
-        return
-    frames = {name: _frame(checked) for name, checked in joints.items()}
-    for name, driven in driven_inertias(links, frames, root).items():
+        if name not in unsound:
+            before = len(check.found)
+            _check_moments(whole.links[name], link, name in turned and mass_of(link) > 0.0, check)
+            if len(check.found) > before:
+                unsound.add(name)
+    weighed = {name: ElementTree.Element("link") if name in unsound else link for name, link in links.items()}
+    frames = {name: _frame(checked, sound=name not in check.unsound) for name, checked in joints.items()}
+    for name, driven in driven_inertias(weighed, frames, root).items():
+        joint = moving[name].joint
+        below = whole.below(joint.child)
+        if unsound & (below | {inner for inner, found in joints.items() if found.joint.parent in below}):
+            continue
+        if not any(mass_of(links[link]) > 0.0 for link in below):
+            message = f"the joint {name} moves links without mass"
+            check.fault(moving[name].element, "no-mass", message, f"give {joint.child} an <inertial> with its mass")
+            continue
         if driven.articulated > max(AS_GOOD_AS_NONE * driven.greatest, NONE):
             continue
-        joint = moving[name].joint
         turns = joint.kind in ROTATING
         what = "turns links without inertia about its axis" if turns else "moves links without mass along its axis"
         message = f"the joint {name} {what}: the engine would hold it still"
@@ -104,8 +111,8 @@ def _six(moments: Array, axes: Array) -> Iterator[float]:
     return iter((xx, yy, zz, xy, xz, yz))
 
 
-def _frame(checked: CheckedJoint) -> FrameJoint:
+def _frame(checked: CheckedJoint, sound: bool) -> FrameJoint:
     along = np.zeros(6)
-    if checked.joint.kind != FIXED:
+    if sound and checked.joint.kind != FIXED:
         along[slice(0, 3) if checked.joint.kind in ROTATING else slice(3, 6)] = axis_of(checked.made)
     return FrameJoint(checked.joint.parent, checked.joint.child, *pose_of(checked.made), along)

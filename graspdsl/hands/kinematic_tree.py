@@ -67,9 +67,11 @@ class _Reading:
             raise refusal("too-many-links", message, "leave out what is no part of the hand")
         if not links:
             raise refusal("no-root", f"{self._file} has no links", "a hand has at least one")
-        self._refuse(chain(self._names(links), self._names(joints)))
         named = {link.get("name", ""): link for link in links}
-        self._refuse(fault for joint in joints for fault in self._ends(joint, named))
+        misnamed = list(self._names(links))
+        # What joins a link of a wrong name is not known.
+        loose = () if misnamed else (fault for joint in joints for fault in self._ends(joint, named))
+        self._refuse(chain(misnamed, self._names(joints), loose))
         ends = {joint.get("name", ""): self._joint(joint) for joint in joints}
         self._refuse(self._parents(ends))
         inside: dict[str, list[str]] = {}

@@ -10,6 +10,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
+from graspdsl.arrays import Array
 from graspdsl.hands.urdf_check import NUMBER
 from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
@@ -21,18 +22,18 @@ INDICES = re.compile(r"[+-]?\d{1,9}(?:/[+-]?\d{0,9}){0,2}", re.ASCII)  # of a co
 AGAIN = "export it anew, as binary STL or as OBJ"
 
 
-def check_mesh(name: str, content: bytes) -> None:
-    """Raises DiagnosticError for a file that is too large, or not all triangles of finite corners."""
+def mesh_corners(name: str, content: bytes) -> Array:
+    """The corners (c, 3) of the triangles in a file. Raises DiagnosticError where it is too large, or not all triangles
+    of finite corners."""
     if len(content) > LARGEST:
         message = f"{name} is too large: {len(content)} bytes, where a mesh of a hand may have {LARGEST}"
         raise refusal("file-too-large", message, "simplify it")
     if PurePosixPath(name).suffix.lower() == ".stl":
-        _check_stl(name, content)
-    else:
-        _check_obj(name, content)
+        return _stl_corners(name, content)
+    return _obj_corners(name, content)
 
 
-def _check_stl(name: str, content: bytes) -> None:
+def _stl_corners(name: str, content: bytes) -> Array:
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else 0
     held = max(len(content) - HEADER, 0) // FACE
     if count != held or len(content) != HEADER + FACE * count:
@@ -49,27 +50,30 @@ def _check_stl(name: str, content: bytes) -> None:
     if count == 0:
         raise refusal("empty-mesh", f"{name} holds no triangles", AGAIN)
     faces = np.frombuffer(content, dtype=np.uint8, offset=HEADER).reshape(count, FACE)
-    if not np.isfinite(faces[:, 12:48].copy().view("<f4")).all():
+    corners = faces[:, 12:48].copy().view("<f4").reshape(-1, 3)
+    if not np.isfinite(corners).all():
         raise refusal("bad-mesh", f"{name} has corners whose coordinates are no numbers", AGAIN)
+    return np.unique(corners.astype(float), axis=0)
 
 
-def _check_obj(name: str, content: bytes) -> None:
-    corners, faces = 0, 0
+def _obj_corners(name: str, content: bytes) -> Array:
+    corners, used = list[list[float]](), set[int]()
     for number, line in enumerate(content.decode("utf-8", errors="replace").split("\n"), 1):
         told, mark, _ = line.partition("#")
         key, *words = BLANKS.split(told.strip(" \t\r"))
         if key == "f" and mark:
             message = f"{name}, line {number}: a comment after a face, with which the engine reads no face at all"
             raise refusal("unreadable-mesh", message, "put it on a line of its own, or leave it out")
-        if key == "v":
-            corners += 1
-        elif key == "f":
-            faces += 1
-        if (key == "v" and not _is_corner(words)) or (key == "f" and not _is_face(words, corners)):
+        if key == "v" and _is_corner(words):
+            corners.append([float(word) for word in words[:3]])
+        elif key == "f" and (face := _face(words, len(corners))):
+            used.update(face)
+        elif key in ("v", "f"):
             message = f"{name}, line {number}: this is no corner or no face of an OBJ file: {shortened(line)!r}"
             raise refusal("unreadable-mesh", message, AGAIN)
-    if not faces:
+    if not used:
         raise refusal("empty-mesh", f"{name} holds no triangles", AGAIN)
+    return np.array(corners)[sorted(used)]
 
 
 def _is_corner(words: Sequence[str]) -> bool:
@@ -77,6 +81,8 @@ def _is_corner(words: Sequence[str]) -> bool:
     return len(place) == 3 and all(NUMBER.fullmatch(word) and math.isfinite(float(word)) for word in place)
 
 
-def _is_face(words: Sequence[str], corners: int) -> bool:
+def _face(words: Sequence[str], corners: int) -> list[int]:
+    """The corners of a face, counted from 0; none of what is no face."""
     indices = [int(word.partition("/")[0]) if INDICES.fullmatch(word) else 0 for word in words]
-    return len(indices) >= 3 and all(0 < index <= corners or -corners <= index < 0 for index in indices)
+    right = len(indices) >= 3 and all(0 < index <= corners or -corners <= index < 0 for index in indices)
+    return [index - 1 if index > 0 else corners + index for index in indices] if right else []

@@ -18,19 +18,20 @@ class Compiler(NamedTuple):
 
 
 def compiler_of(tree: ElementTree.Element, source: Source) -> Compiler:
-    """What all <compiler> say together; later ones go first. Raises DiagnosticError for what is not read."""
+    """What all <compiler> say together; later ones go first. What is not read is noted in the source."""
     angles, autolimits, geoms_weigh = Angles(True, "xyz"), True, True
     for element in tree.findall("compiler"):
-        part = whole(source, element)
-        check_inside(source, element)
-        if "angle" in part.attributes:
-            angles = Angles(part.word("angle", ("degree", "radian")) == "degree", angles.sequence)
-        if "autolimits" in part.attributes:
-            autolimits = part.word("autolimits", ("true", "false")) == "true"
-        if "inertiafromgeom" in part.attributes:
-            geoms_weigh = part.word("inertiafromgeom", ("auto", "false")) == "auto"
-        sequence = part.attributes.get("eulerseq", angles.sequence)
-        if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
-            raise part.refused(f"its eulerseq is {sequence!r}", "expected three letters out of xyzXYZ")
-        angles = Angles(angles.degrees, sequence)
+        with source.noting():
+            part = whole(source, element)
+            check_inside(source, element)
+            if "angle" in part.attributes:
+                angles = Angles(part.word("angle", ("degree", "radian")) == "degree", angles.sequence)
+            if "autolimits" in part.attributes:
+                autolimits = part.word("autolimits", ("true", "false")) == "true"
+            if "inertiafromgeom" in part.attributes:
+                geoms_weigh = part.word("inertiafromgeom", ("auto", "false")) == "auto"
+            sequence = part.attributes.get("eulerseq", angles.sequence)
+            if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
+                raise part.refused(f"its eulerseq is {sequence!r}", "expected three letters out of xyzXYZ")
+            angles = Angles(angles.degrees, sequence)
     return Compiler(angles, autolimits, geoms_weigh)

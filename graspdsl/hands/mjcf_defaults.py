@@ -20,11 +20,14 @@ class Defaults:
         self._source = source
         self._classes: dict[str, Mapping[str, Attributes]] = {MAIN: {}}
         for default in tree.findall("default"):
-            name = whole(source, default).attributes.get("class", MAIN)
-            if name != MAIN:
-                message = f"the outermost class of defaults is called {name!r}"
-                raise source.refused(default, message, f"call it main, or put it within another <default>: {MAIN}")
+            name = default.get("class", MAIN)
+            with source.noting():
+                whole(source, default)
+                if name != MAIN:
+                    message = f"the outermost class of defaults is called {name!r}"
+                    raise source.refused(default, message, f"call it main, or put it within another <default>: {MAIN}")
             self._read(default, MAIN, self._classes[MAIN])
+            self._classes[name] = self._classes[MAIN]
 
     def part(self, element: ElementTree.Element, inherited: str) -> Part:
         """An element with the attributes of its class, or of the one that the bodies about it give it.
@@ -48,10 +51,14 @@ class Defaults:
                 found[element.tag] = self._merged(found.get(element.tag, {}), element)
         self._classes[name] = found
         for inner in default.findall("default"):
-            inner_name = whole(self._source, inner).attributes.get("class", "")
-            if not inner_name or inner_name in self._classes:
-                what = f"there is a class of defaults {inner_name!r} already" if inner_name else "a class has no name"
-                raise self._source.refused(inner, what, "give each class of defaults its own name")
+            inner_name = inner.get("class", "")
+            with self._source.noting():
+                whole(self._source, inner)
+                if not inner_name or inner_name in self._classes:
+                    what = (
+                        f"there is a class of defaults {inner_name!r} already" if inner_name else "a class has no name"
+                    )
+                    raise self._source.refused(inner, what, "give each class of defaults its own name")
             self._read(inner, inner_name, found)
 
     def _merged(self, above: Attributes, element: ElementTree.Element) -> dict[str, str]:
@@ -63,7 +70,8 @@ class Defaults:
             message = (
                 f"<{element.tag}> has a quat and its class a {other}: MuJoCo keeps one or the other by its version"
             )
-            raise self._source.refused(element, message, f"write it as {other}, or the class as quat")
+            with self._source.noting():
+                raise self._source.refused(element, message, f"write it as {other}, or the class as quat")
         found = {key: value for key, value in above.items() if not (turned and key in ORIENTATIONS)} | own
         if "size" in above and "size" in own:
             # Sizes that an element does not say stay as they were.

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import listed
-from graspdsl.hands.mjcf_parts import IN_URDF, ORIENTATIONS, Part, Source
+from graspdsl.hands.mjcf_parts import IN_URDF, ORIENTATIONS, Part, Source, refuse_all
 
 READ: Mapping[str, frozenset[str]] = {
     tag: frozenset(keys)
@@ -80,7 +80,8 @@ HINTS = {
 
 
 def whole(source: Source, element: ElementTree.Element, attributes: Mapping[str, str] | None = None) -> Part:
-    """The element with these attributes, or its own. Raises DiagnosticError for one that is not read."""
+    """The element with these attributes, or its own. Raises DiagnosticError for those that are not read."""
+    refused = []
     part = Part(source, element, element.attrib if attributes is None else attributes)
     tag = element.tag
     for key, value in part.attributes.items():
@@ -88,19 +89,23 @@ def whole(source: Source, element: ElementTree.Element, attributes: Mapping[str,
             continue
         allowed = ONLY_AS.get(tag, {}).get(key)
         if allowed is None:
-            raise part.refused(f"its {key} is not read", HINTS.get(key, IN_URDF))
-        if not any(_same(value, word) for word in allowed):
+            refused.append(part.refused(f"its {key} is not read", HINTS.get(key, IN_URDF)))
+        elif not any(_same(value, word) for word in allowed):
             hint = f"write {key}={_quoted(allowed)}, or describe the hand in URDF"
-            raise part.refused(f"{key}={value!r} would change the hand and is not read", hint)
+            refused.append(part.refused(f"{key}={value!r} would change the hand and is not read", hint))
+    refuse_all(refused)
     return part
 
 
 def check_inside(source: Source, element: ElementTree.Element) -> None:
-    """Raises DiagnosticError for the first element within this one that is not read, and may not be left out."""
-    for inner in element:
-        if inner.tag not in INSIDE.get(element.tag, ()):
-            message = f"<{inner.tag}> in <{element.tag}> is not read"
-            raise source.refused(inner, message, HINTS.get(inner.tag, IN_URDF))
+    """Raises DiagnosticError for the elements within this one that are not read, and may not be left out."""
+    refuse_all(
+        [
+            source.refused(inner, f"<{inner.tag}> in <{element.tag}> is not read", HINTS.get(inner.tag, IN_URDF))
+            for inner in element
+            if inner.tag not in INSIDE.get(element.tag, ())
+        ]
+    )
 
 
 def _same(value: str, word: str) -> bool:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 from xml.etree import ElementTree
 
@@ -12,9 +13,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.diagnostics import DiagnosticError, listed
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.hands.urdf_check import NUMBER
-from graspdsl.spec.named_files import refusal
 from graspdsl.spec.wording import shortened
 from graspdsl.spec.xml_files import place_in
 
@@ -43,15 +43,49 @@ class Pose(NamedTuple):
 HERE = Pose(np.zeros(3), Rotation.identity())
 
 
-@dataclass(frozen=True, slots=True)
+class NotInMjcfError(DiagnosticError):
+    """Complaints about one element, each with its kind, which is the same where the same is wrong with another."""
+
+    def __init__(self, complaints: Mapping[str, Diagnostic]) -> None:
+        self.complaints = complaints
+        super().__init__(list(complaints.values()))
+
+
+def refuse_all(errors: Sequence[NotInMjcfError]) -> None:
+    """Raises NotInMjcfError with the complaints of all of these, where there are any."""
+    if errors:
+        raise NotInMjcfError({kind: found for error in errors for kind, found in error.complaints.items()})
+
+
+@dataclass(slots=True)
 class Source:
-    """A MJCF file, by its name."""
+    """A MJCF file, by its name, and what is wrong with it: of each kind the first complaint, and how many there are."""
 
     file: str
+    found: dict[str, tuple[Diagnostic, int]] = field(default_factory=dict)
 
-    def refused(self, element: ElementTree.Element, what: str, hint: str | None = IN_URDF) -> DiagnosticError:
+    def refused(
+        self, element: ElementTree.Element, what: str, hint: str | None = IN_URDF, called: str = ""
+    ) -> NotInMjcfError:
         """A complaint about an element, at its line and column."""
-        return refusal("not-in-mjcf", f"{place_in(self.file, element)}: {shortened(what, LONGEST)}", hint)
+        message = f"{place_in(self.file, element)}: {shortened(f'{called}{what}', LONGEST)}"
+        return NotInMjcfError({f"{element.tag}: {what}": Diagnostic("not-in-mjcf", message, hint=hint)})
+
+    @contextmanager
+    def noting(self) -> Iterator[None]:
+        """What is wrong within is noted, and the rest of it passed over."""
+        try:
+            yield
+        except NotInMjcfError as error:
+            for kind, complaint in error.complaints.items():
+                first, count = self.found.get(kind, (complaint, 0))
+                self.found[kind] = first, count + 1
+
+    def complaints(self) -> Iterator[Diagnostic]:
+        """All that was noted."""
+        for first, count in self.found.values():
+            more = f"; and so of {count - 1} more" if count > 1 else ""
+            yield replace(first, message=f"{first.message}{more}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +101,9 @@ class Part:
         """Its tag and name, for messages."""
         return " ".join(filter(None, (f"<{self.element.tag}>", self.attributes.get("name"))))
 
-    def refused(self, what: str, hint: str | None = IN_URDF) -> DiagnosticError:
+    def refused(self, what: str, hint: str | None = IN_URDF) -> NotInMjcfError:
         """A complaint about it."""
-        return self.source.refused(self.element, f"{self.called}: {what}", hint)
+        return self.source.refused(self.element, what, hint, f"{self.called}: ")
 
     def word(self, key: str, known: tuple[str, ...]) -> str:
         """One of the known words, the first where it says nothing."""

@@ -15,6 +15,7 @@ from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import CONTINUOUS, CONTINUOUS_JOINT, FIXED, FIXED_JOINT, HINGES, MOVING_JOINT, ROTATING
 from graspdsl.spec.wording import shortened
 
+UNSTATED_EFFORT = 50.0  # N or N m: the most that drives a joint whose model says nothing of it
 NO_LIMITS = {"lower": "0", "upper": "-1"}  # the engine holds a joint at limits of 0 to 0
 
 
@@ -56,11 +57,11 @@ def checked_joint(name: str, joint: TreeJoint, check: UrdfCheck) -> CheckedJoint
         found = f"is of the type {shortened(joint.kind)!r}" if joint.kind else "has no type"
         hint = f"known types: {', '.join((FIXED, *HINGES))}"
         check.fault(joint.element, "unknown-joint-type", f"the joint {name} {found}", hint)
+        check.unsound.add(name)
     rule = {CONTINUOUS: CONTINUOUS_JOINT, FIXED: FIXED_JOINT}.get(joint.kind, MOVING_JOINT)
-    before = len(check.found)
-    made = check.copy(joint.element, rule, f"the joint {name}")
+    made = check.part(name, joint.element, rule, f"the joint {name}")
     kind, limits, mimic = joint.kind, None, None
-    if len(check.found) == before:
+    if name not in check.unsound:
         mimic = _mimic(made)
         limits = _limits(made)
         if joint.kind == CONTINUOUS:

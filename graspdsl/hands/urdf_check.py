@@ -30,12 +30,21 @@ def undrawn(fault: Diagnostic, what: str) -> Diagnostic:
 
 @dataclass(slots=True)
 class UrdfCheck:
-    """Copies elements of a file, noting faults and warnings."""
+    """Copies elements of a file, noting faults and warnings, and the names of links and joints with faults."""
 
     file: str
     found: list[Diagnostic] = field(default_factory=list)
     warnings: list[Diagnostic] = field(default_factory=list)
+    unsound: set[str] = field(default_factory=set)
     _undrawn: set[tuple[str, str]] = field(default_factory=set)
+
+    def part(self, name: str, element: ElementTree.Element, rule: ElementRule, owner: str) -> ElementTree.Element:
+        """The copy of a link or a joint, by its name."""
+        before = len(self.found)
+        copied = self.copy(element, rule, owner)
+        if len(self.found) > before:
+            self.unsound.add(name)
+        return copied
 
     def copy(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> ElementTree.Element:
         """The element with only what its rule has; ``owner`` is what it belongs to, for messages."""
@@ -124,7 +133,10 @@ class UrdfCheck:
             message = f"{owner}: its limits leave no room: {low:g} to {high:g}"
             self.fault(element, "out-of-range", message, "the lower limit must be below the upper one")
         elif element.tag == "mesh":
+            before = len(self.found)
             self._mesh(element, values, owner)
+            if len(self.found) > before:
+                copied.set("filename", "")  # nobody need look for it
 
     def _drawn(self, element: ElementTree.Element, rule: ElementRule, owner: str) -> list[ElementTree.Element]:
         """The copy of an element that is only drawn; none, and a warning, when there is a fault in it."""

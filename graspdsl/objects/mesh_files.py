@@ -49,14 +49,15 @@ def mesh_of_file(
         raise refusal("empty-mesh", f"{name} holds no triangles", None)
     if len(mesh.faces) > MOST_FACES:
         raise _too_many(name, len(mesh.faces))
-    if not np.isfinite(mesh.vertices).all():
-        raise refusal("bad-mesh", f"{name} has corners whose coordinates are no numbers", "export it anew")
-    mesh.vertices = mesh.vertices * scale
-    if np.prod(scale) < 0.0:
-        mesh.invert()
-    length = float(np.ptp(mesh.vertices, axis=0).max())
+    corners = _corners(name, mesh)
+    with np.errstate(over="ignore"):
+        corners = corners * scale
+        length = float(np.ptp(corners, axis=0).max())
     if length > MOST_LENGTH:
         raise refusal("bad-mesh", f"{name} is {length:.3g} m long", "check its scale")
+    mesh.vertices = corners
+    if np.prod(scale) < 0.0:
+        mesh.invert()
     # Where textures or normals change across an edge, its corners are in the file once for each side.
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.update_faces(np.diff(np.sort(mesh.faces, axis=1), axis=1).all(axis=1))
@@ -65,6 +66,20 @@ def mesh_of_file(
     if centred:
         mesh.apply_translation(-mesh.bounds.mean(axis=0))
     return _solid(name, mesh, length, convex, warn)
+
+
+def _corners(name: str, mesh: Trimesh) -> Array:
+    """The corners (v, 3) of a mesh, which the library may have read as anything."""
+    corners, faces = np.array(mesh.vertices), np.array(mesh.faces)
+    if corners.shape[1:] != (3,):  # as many as its shortest line has
+        what = f"has corners of {corners.shape[-1]} coordinates, where a solid has corners of three"
+    elif not 0 <= faces.min() <= faces.max() < len(corners):
+        what = "has triangles of corners that are not in it"
+    elif not np.isfinite(corners).all():
+        what = "has corners whose coordinates are no numbers"
+    else:
+        return corners
+    raise refusal("bad-mesh", f"{name} {what}", "export it anew")
 
 
 def _solid(name: str, mesh: Trimesh, length: float, convex: str | None, warn: Warn) -> TriangleMesh:

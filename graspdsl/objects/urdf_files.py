@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import PurePosixPath
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -11,7 +12,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import roll_pitch_yaw
-from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.overlaps import overlaps
@@ -22,6 +23,7 @@ from graspdsl.spec.xml_files import place_in, xml_tree
 
 MOST_PARTS = 200
 MOST_LINKS = 2000
+MOST_FAULTS = 20  # that are told at once
 MOST_LENGTH = 1e6  # m
 
 Warn = Callable[[Diagnostic], None]
@@ -53,7 +55,7 @@ def object_of_urdf(name: str, folder: SpecFolder, warn: Warn) -> UrdfObject:
 
     Each part is of even density, so that the centre of mass and the inertia count twice what is in two of them, also in
     a file that states its own: that is said to ``warn`` where two parts notably overlap, as ``overlaps`` estimates it.
-    Raises DiagnosticError when it has none, is no URDF, or has joints that move.
+    Raises DiagnosticError when it has none, is no URDF, or has joints that move, with all faults of its parts.
     """
     if PurePosixPath(name).suffix.lower() != ".urdf":
         raise refusal("unknown-urdf-format", f"{name} is no URDF file: expected .urdf", "name a .urdf, or use mesh")
@@ -65,6 +67,7 @@ class _Urdf:
         self._name, self._folder, self._warn = name, folder, warn
         self._meshes = MeshPlaces(folder, name)
         self._part_places: list[str] = []
+        self._found: list[Diagnostic] = []
         self._robot = xml_tree(content, name)
         if self._robot.tag != "robot":
             raise self._bad(f"its root is <{self._robot.tag}>, not <robot>")
@@ -75,15 +78,32 @@ class _Urdf:
             raise self._bad(f"it has {len(links)} links, where an object may have {MOST_LINKS}")
         frames = self._frames(links)
         parts = [
-            self._placed(frames[name].then(frame), part) for name in links for frame, part in self._parts(links[name])
+            self._placed(frames.get(name, ORIGIN).then(frame), part)
+            for name in links
+            for frame, part in self._parts(links[name])
         ]
+        masses = [mass for link in links.values() for mass in self._masses(link)]
+        if self._found:
+            raise DiagnosticError(self._found[:MOST_FAULTS])
         if not parts:
             raise self._bad("it has no collision geometry")
         if len(parts) > MOST_PARTS:
             raise self._bad(f"it has {len(parts)} parts, where an object may have {MOST_PARTS}")
-        masses = [self._number(m, "value", 0.0) for link in links.values() for m in link.findall("inertial/mass")]
         self._warn_of_overlaps(parts)
         return UrdfObject(centred(parts), max(sum(masses), 0.0))
+
+    @contextmanager
+    def _noting(self) -> Iterator[None]:
+        """What is wrong within is noted, and the rest of it passed over."""
+        try:
+            yield
+        except DiagnosticError as error:
+            self._found += error.diagnostics
+
+    def _masses(self, link: ElementTree.Element) -> Iterator[float]:
+        for mass in link.findall("inertial/mass"):
+            with self._noting():
+                yield self._number(mass, "value", 0.0)
 
     def _warn_of_overlaps(self, parts: list[Placed]) -> None:
         found = next(overlaps(parts), None)
@@ -98,19 +118,23 @@ class _Urdf:
         self._warn(Diagnostic("overlapping-parts", message, None, hint, Severity.WARNING))
 
     def _frames(self, links: dict[str, ElementTree.Element]) -> dict[str, Frame]:
-        """Each link's frame in that of the root, all joints fixed."""
+        """Each link's frame in that of the root, all joints fixed; none where these have faults."""
         joints: dict[str, tuple[str, Frame]] = {}
         for joint in self._robot.findall("joint"):
-            name, kind = joint.get("name", ""), joint.get("type", "")
-            if kind != "fixed":
-                raise self._bad(f"its joint {name} is {kind or 'of no type'}: an object is one rigid body")
-            parent, child = (
-                element.get("link", "") if (element := joint.find(tag)) is not None else ""
-                for tag in ("parent", "child")
-            )
-            if parent not in links or child not in links or child in joints:
-                raise self._bad(f"its joint {name} does not join two links into a tree")
-            joints[child] = (parent, self._frame(joint))
+            with self._noting():
+                name, kind = joint.get("name", ""), joint.get("type", "")
+                if kind != "fixed":
+                    what = f"its joint {name} is {kind or 'of no type'}: an object is one rigid body"
+                    raise self._bad(what, joint)
+                parent, child = (
+                    element.get("link", "") if (element := joint.find(tag)) is not None else ""
+                    for tag in ("parent", "child")
+                )
+                if parent not in links or child not in links or child in joints:
+                    raise self._bad(f"its joint {name} does not join two links into a tree", joint)
+                joints[child] = (parent, self._frame(joint))
+        if self._found:
+            return {}
         tops = [name for name in links if name not in joints]
         inside: dict[str, list[str]] = {}
         for name, (parent, _) in joints.items():
@@ -131,8 +155,9 @@ class _Urdf:
     def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Part]]:
         for collision in link.findall("collision"):
             for geometry in collision.findall("geometry/*"):
-                self._part_places.append(place_in(self._name, geometry))
-                yield self._frame(collision), self._part(geometry)
+                with self._noting():
+                    self._part_places.append(place_in(self._name, geometry))
+                    yield self._frame(collision), self._part(geometry)
 
     def _part(self, geometry: ElementTree.Element) -> Part:
         match geometry.tag:
@@ -146,9 +171,9 @@ class _Urdf:
                 name = self._meshes.name(geometry.get("filename", ""))
                 scale = np.array(self._numbers(geometry, "scale", (1.0, 1.0, 1.0)))
                 if not (np.abs(scale) > 0.0).all():
-                    raise self._bad("the scale of a mesh is zero")
+                    raise self._bad("the scale of a mesh is zero", geometry)
                 return mesh_of_file(name, self._folder.read(name), scale, None, self._warn, centred=False)
-        raise self._bad(f"it has geometry of an unknown kind, <{geometry.tag}>")
+        raise self._bad(f"it has geometry of an unknown kind, <{geometry.tag}>", geometry)
 
     def _placed(self, frame: Frame, part: Part) -> Placed:
         x, y, z = frame.position.tolist()
@@ -168,9 +193,10 @@ class _Urdf:
         try:
             x, y, z = (float(number) for number in (text or "").split())
         except ValueError:
-            raise self._bad(f"expected three numbers in the {key} of its <{element.tag}>, found {text!r}") from None
+            what = f"expected three numbers in the {key} of its <{element.tag}>, found {text!r}"
+            raise self._bad(what, element) from None
         if not max(abs(x), abs(y), abs(z)) < MOST_LENGTH:
-            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}")
+            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}", element)
         return x, y, z
 
     def _number(self, element: ElementTree.Element, key: str, otherwise: float | None) -> float:
@@ -180,22 +206,24 @@ class _Urdf:
         try:
             number = float(text or "")
         except ValueError:
-            raise self._bad(f"expected a number in the {key} of its <{element.tag}>, found {text!r}") from None
+            what = f"expected a number in the {key} of its <{element.tag}>, found {text!r}"
+            raise self._bad(what, element) from None
         if not abs(number) < MOST_LENGTH:
-            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}")
+            raise self._bad(f"the {key} of its <{element.tag}> is out of bounds: {text}", element)
         return number
 
     def _length(self, element: ElementTree.Element, key: str) -> float:
         length = self._number(element, key, None)
         if length <= 0.0:
-            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {length:g}")
+            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {length:g}", element)
         return length
 
     def _lengths(self, element: ElementTree.Element, key: str) -> Extent:
         lengths = self._numbers(element, key, None)
         if min(lengths) <= 0.0:
-            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {lengths}")
+            raise self._bad(f"the {key} of its <{element.tag}> is not positive: {lengths}", element)
         return lengths
 
-    def _bad(self, what: str) -> Exception:
-        return refusal("bad-urdf", f"{self._name} is no URDF of an object: {what}", None)
+    def _bad(self, what: str, element: ElementTree.Element | None = None) -> DiagnosticError:
+        place = self._name if element is None else f"{place_in(self._name, element)}: this"
+        return refusal("bad-urdf", f"{place} is no URDF of an object: {what}", None)

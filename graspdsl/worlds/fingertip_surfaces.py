@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.surfaces import Ellipsoid
 from graspdsl.worlds.load_cell import capsule_contact, ellipsoid_contact, sphere_contact
@@ -142,24 +143,12 @@ def fingertip_surface(shape: FingertipShape) -> FingertipSurface:
         case SphereTip():
             return SphereSurface(shape.radius)
         case EllipsoidTip():
-            return EllipsoidSurface(shape.semi_axes, _turned(shape.rpy))
+            return EllipsoidSurface(shape.semi_axes, turned_by_angles(shape.rpy))
         case CapsuleTip():
-            return CapsuleSurface(shape.radius, shape.length, _frame_about(np.array(shape.axis)))
+            return CapsuleSurface(shape.radius, shape.length, frame_about(np.array(shape.axis)))
 
 
-def _turned(rpy: tuple[float, float, float]) -> Array:
-    """Rz(yaw) Ry(pitch) Rx(roll), as in URDF."""
-    (sr, sp, sy), (cr, cp, cy) = ([trigonometric(angle) for angle in rpy] for trigonometric in (math.sin, math.cos))
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def _frame_about(axis: Array) -> Array:
+def frame_about(axis: Array) -> Array:
     """A right-handed frame (3, 3) whose third column is along ``axis``."""
     third = axis / np.linalg.norm(axis)
     first = np.cross(third, np.eye(3)[int(np.argmin(np.abs(third)))])

@@ -19,8 +19,8 @@ URDF = """\
     <axis xyz="0 1 0"/><limit lower="-0.5" upper="1" effort="1" velocity="2"/></joint>
   <link name="tip">
     <inertial><mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial>
-    <visual><geometry><sphere radius="0.01"/></geometry><material name="grey"/></visual>
-    <collision><geometry><cylinder radius="0.01" length="0.02"/></geometry></collision>
+    <visual><geometry><sphere radius="0.011"/></geometry><material name="grey"/></visual>
+    <collision><geometry><sphere radius="0.01"/></geometry></collision>
   </link>
   <joint name="cell" type="fixed"><parent link="finger"/><child link="tip"/><origin xyz="0 0 0.05"/></joint>
   <link name="thumb">

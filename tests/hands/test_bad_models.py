@@ -48,7 +48,7 @@ LIMIT = '<axis xyz="0 1 0"/><limit lower="-0.5" upper="1" effort="1" velocity="2
 THUMB = '<joint name="thumb-bend" type="revolute"><parent link="palm"/><child link="thumb"/>'
 BOX = '<box size="0.01 0.01 0.04"/>'
 BALL = '<sphere radius="0.01"/>'
-TUBE = '<cylinder radius="0.01" length="0.02"/>'
+TIP = '<sphere radius="0.01"/>'
 FIXED = '<joint name="c" type="fixed"><parent link="palm"/><child link="{}"/></joint>'
 MOUNTING = FIXED.replace('"c"', '"mounting"')
 XACRO = 'xmlns:x="{}"'
@@ -124,20 +124,18 @@ MODELS = (
     Case("negative box", (BOX, '<box size="0.01 -0.01 0.04"/>'), "out-of-range", "as the size of <box>"),
     Case("flat box", (BOX, '<box size="0.01 0 0.04"/>'), "out-of-range", "above 0, up to 10 (m)"),
     Case("no box", (BOX, "<box/>"), "not-a-number", "as the size of <box>, found nothing"),
-    Case("ball nan", (TUBE, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
-    Case("ball of nothing", (TUBE, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
-    Case(
-        "endless tube", (TUBE, '<cylinder radius="0.01" length="1e999"/>'), "out-of-range", "the length of <cylinder>"
-    ),
-    Case("cone", (TUBE, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
-    Case("two shapes", (TUBE, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
-    Case("no shape", (TUBE, ""), "wrong-shape", "found none"),
-    Case("mesh of nothing", (TUBE, "<mesh/>"), "missing-key", "its <mesh> names no file"),
-    Case("mesh of another kind", (TUBE, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
-    Case("mesh elsewhere", (TUBE, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
+    Case("ball nan", (TIP, '<sphere radius="nan"/>'), "not-a-number", "as the radius of <sphere>, found 'nan'"),
+    Case("ball of nothing", (TIP, '<sphere radius="0"/>'), "out-of-range", "as the radius of <sphere>, found '0'"),
+    Case("endless tube", (TIP, '<cylinder radius="0.01" length="1e999"/>'), "out-of-range", "the length of <cylinder>"),
+    Case("cone", (TIP, '<cone radius="0.01"/>'), "wrong-shape", "one shape in <geometry>, found <cone>"),
+    Case("two shapes", (TIP, BALL + BALL), "wrong-shape", "found <sphere> and <sphere>"),
+    Case("no shape", (TIP, ""), "wrong-shape", "found none"),
+    Case("mesh of nothing", (TIP, "<mesh/>"), "missing-key", "its <mesh> names no file"),
+    Case("mesh of another kind", (TIP, '<mesh filename="a.step"/>'), "unknown-mesh-format", "'a.step'"),
+    Case("mesh elsewhere", (TIP, '<mesh filename="../a.stl"/>'), "outside-of-folder", "leads out of the folder"),
     Case(
         "mesh scale",
-        (TUBE, '<mesh filename="a.stl" scale="1 0 1"/>'),
+        (TIP, '<mesh filename="a.stl" scale="1 0 1"/>'),
         "out-of-range",
         "the scale of its <mesh> is zero",
     ),
@@ -233,12 +231,12 @@ def test_many_complaints_of_long_names_stay_short(tmp_path: Path) -> None:
 
 
 def test_a_complaint_about_a_model_has_its_line_and_column(tmp_path: Path) -> None:
-    write(tmp_path, changed(URDF, (TUBE, '<sphere radius="-1"/>')))
+    write(tmp_path, changed(URDF, (TIP, '<sphere radius="-1"/>')))
     with pytest.raises(HandFileError) as caught:
         hand_in(SpecFolder(tmp_path), "hand.yaml")
     (fault,) = caught.value.diagnostics
-    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if TUBE in text)
-    column = URDF.split("\n")[line - 1].index(TUBE) + 1
+    line = next(number for number, text in enumerate(URDF.split("\n"), 1) if TIP in text)
+    column = URDF.split("\n")[line - 1].index(TIP) + 1
     assert fault.message.startswith(f"two.urdf:{line}:{column}: the link tip: ")
     assert fault.span is not None
     assert (fault.span.line, fault.span.column) == (2, 7)

@@ -3,34 +3,44 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pybullet_data
 import pytest
 import yaml
 
 from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, as_text
-from graspdsl.hands.descriptions import HERE
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text
+from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
+from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.spec.named_files import SpecFolder
 from graspdsl.trials.loop import identity
 from graspdsl.trials.setup import trial_loop
+from graspdsl.worlds.bullet.engine import pybullet
+from graspdsl.worlds.bullet.hand import BulletHand
 
 PANDA = Path(pybullet_data.getDataPath(), "franka_panda", "panda.urdf")
-GRIPPER = f"""\
+# The flat pads of its fingers are no fingertips that sense: each gets one before it.
+TIP = """\
+<link name="{0}-tip"><inertial><mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6"/></inertial></link>
+<joint name="{0}-mounting" type="fixed"><parent link="panda_{0}finger"/><child link="{0}-tip"/>
+<origin xyz="0 {1} 0.045"/></joint>
+"""
+TIPS = TIP.format("left", 0.004) + TIP.format("right", -0.004)
+GRIPPER = """\
 hand: gripper
-urdf: {PANDA}
+urdf: panda.urdf
 root: panda_hand
 joints:
-  panda_finger_joint1: {{weight: 0.3, closes: -1}}
-  panda_finger_joint2: {{weight: 0.3, closes: -1}}
+  panda_finger_joint1: {weight: 0.3, closes: -1}
+  panda_finger_joint2: {weight: 0.3, closes: -1}
 contacts:
-  left: {{link: panda_leftfinger, sphere: {{centre: [0.0, 0.0, 0.045], radius: 0.01}}}}
-  right: {{link: panda_rightfinger, sphere: {{centre: [0.0, 0.0, 0.045], radius: 0.01}}}}
+  left: {link: left-tip, sphere: {radius: 0.01}}
+  right: {link: right-tip, sphere: {radius: 0.01}}
 palm_surface: 0.0584
-postures:
-  open: {{panda_finger_joint1: 0.04, panda_finger_joint2: 0.04}}
 """
 SPEC = """\
 graspdsl: 1
@@ -52,7 +62,8 @@ trials:
 """
 TWO_LINKS = """\
 <robot name="two"><link name="palm"/><link name="finger"><inertial><mass value="0.1"/>
-<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>{mesh}</link><link name="tip"/>
+<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>{mesh}</link><link name="tip"><inertial>
+<mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="bend" type="revolute"><parent link="palm"/><child link="finger"/><axis xyz="1 0 0"/>
 <limit lower="{lower}" upper="1" effort="1" velocity="1"/></joint>
 <joint name="cell" type="fixed"><parent link="finger"/><child link="tip"/></joint></robot>
@@ -71,6 +82,14 @@ def read(folder: Path, changes: dict[str, object], urdf: str = "", mesh: str = "
     model = urdf or TWO_LINKS.replace("{mesh}", mesh).replace("{lower}", lower)
     (folder / "two.urdf").write_text(model, encoding="utf-8")
     return hand_in(SpecFolder(folder), "hand.yaml")
+
+
+def write_gripper(folder: Path, text: str = GRIPPER) -> None:
+    """The gripper of an arm with fingertips before its pads, its meshes beside it."""
+    whole = PANDA.read_text(encoding="utf-8").replace("</robot>", f"{TIPS}</robot>")
+    (folder / "panda.urdf").write_text(whole, encoding="utf-8")
+    shutil.copytree(PANDA.parent / "meshes", folder / "meshes", dirs_exist_ok=True)
+    (folder / "gripper.yaml").write_text(text, encoding="utf-8")
 
 
 def complaints(folder: Path, changes: dict[str, object], **model: str) -> tuple[Diagnostic, ...]:
@@ -161,7 +180,7 @@ def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
 
 def test_a_gripper_of_others_runs(tmp_path: Path) -> None:
     """Two fingers of an arm's URDF, its arm cut off, without load cells."""
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     program = program_of(SPEC, "can.yaml", folder=tmp_path)
     record = trial_loop(program).run(0, 1).record
     assert record.outcome == "converged", record.detail
@@ -169,22 +188,22 @@ def test_a_gripper_of_others_runs(tmp_path: Path) -> None:
 
 
 def test_a_spec_tells_of_the_faults_of_its_hand(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER.replace("link: panda_left", "link: panda_lef"), encoding="utf-8")
-    (fault,) = examine(SPEC, "can.yaml", folder=tmp_path).diagnostics
+    write_gripper(tmp_path, GRIPPER.replace("link: left", "link: lef"))
+    fault = examine(SPEC, "can.yaml", folder=tmp_path).diagnostics[-1]
     assert (fault.code, fault.span.line if fault.span else 0) == ("unknown-link", 5)
     assert fault.message.startswith("gripper.yaml:8:")
 
 
 def test_without_load_cells_there_is_no_load_cell_sensing(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     text = SPEC.replace("sensing: exact", "sensing: load-cell")
-    assert [fault.code for fault in examine(text, "can.yaml", folder=tmp_path).diagnostics] == ["not-sensed"]
+    assert "not-sensed" in [fault.code for fault in examine(text, "can.yaml", folder=tmp_path).diagnostics]
 
 
 def test_another_model_makes_other_trials(tmp_path: Path) -> None:
-    (tmp_path / "gripper.yaml").write_text(GRIPPER, encoding="utf-8")
+    write_gripper(tmp_path)
     before = identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0)
-    (tmp_path / "gripper.yaml").write_text(GRIPPER.replace("radius: 0.01", "radius: 0.011"), encoding="utf-8")
+    write_gripper(tmp_path, GRIPPER.replace("radius: 0.01", "radius: 0.011"))
     assert identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0) != before
 
 
@@ -199,8 +218,72 @@ def test_json_is_of_hand_files_too(tmp_path: Path, capsys: pytest.CaptureFixture
     from graspdsl.cli.app import app
 
     del capsys
-    (tmp_path / "gripper.yaml").write_text("# mine\n" + GRIPPER.replace("weight: 0.3", "weight: -1"), encoding="utf-8")
+    write_gripper(tmp_path, "# mine\n" + GRIPPER.replace("weight: 0.3", "weight: -1"))
     ran = CliRunner().invoke(app, ["validate", str(tmp_path / "gripper.yaml"), "--json"])
     assert ran.exit_code == 1
     (file,) = json.loads(ran.stdout)["files"]
     assert {fault["line"] for fault in file["diagnostics"]} == {6, 7}
+
+
+SLIDE = TWO_LINKS.replace('type="revolute"', 'type="prismatic"').replace("{mesh}", "").replace("{lower}", "0")
+
+
+@pytest.mark.parametrize(
+    ("closes", "lower", "upper", "opened", "closed"),
+    [
+        (1, 0.0, 0.04, 0.0, 0.04),
+        (-1, 0.0, 0.04, 0.04, 0.0),
+        (1, -0.04, 0.0, -0.04, 0.0),
+        (-1, -0.04, 0.0, 0.0, -0.04),
+        (1, -0.5, 1.0, 0.0, 1.0),
+        (-1, 0.2, 1.0, 1.0, 0.2),
+        (1, 0.2, 1.0, 0.2, 1.0),
+    ],
+)
+def test_open_is_never_closed(
+    closes: int, lower: float, upper: float, opened: float, closed: float, tmp_path: Path
+) -> None:
+    model = SLIDE.replace('lower="0" upper="1"', f'lower="{lower}" upper="{upper}"')
+    hand = read(tmp_path, {"joints": {"bend": {"weight": 10.0, "closes": closes}}}, urdf=model).hand
+    assert hand.postures == {"open": {"bend": opened}, "closed": {"bend": closed}}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"joints": {"bend": {"weight": 1.0}}},
+        {"postures": {"open": {"bend": 1.0}}},
+        {"postures": {"open": {"bend": 0.3}, "closed": {"bend": 0.3}}},
+        {"contacts": {"pad": {"link": "palm", "sphere": {"radius": 0.01}}}},
+    ],
+)
+def test_a_fingertip_that_nothing_closes_is_an_error(changes: dict[str, object], tmp_path: Path) -> None:
+    faults = complaints(tmp_path, changes)
+    assert "never-closes" in [fault.code for fault in faults]
+
+
+def test_a_mimic_of_a_driven_joint_is_passed_over_with_a_warning(tmp_path: Path) -> None:
+    mimic = '<mimic joint="other" multiplier="-2"/><axis xyz="1 0 0"/>'
+    model = TWO_LINKS.replace('<axis xyz="1 0 0"/>', mimic).replace("{mesh}", "").replace("{lower}", "0")
+    (warning,) = read(tmp_path, {}, urdf=model).warnings
+    assert (warning.code, warning.severity) == ("mimic-passed-over", Severity.WARNING)
+    assert "bend mimics other" in warning.message
+    assert "bend: {follows: other, ratio: -2}" in (warning.hint or "")
+
+
+@pytest.mark.parametrize("effort", ["", 'effort="0"', 'effort="3"'])
+def test_an_effort_that_a_model_does_not_state_is_told(effort: str, tmp_path: Path) -> None:
+    model = TWO_LINKS.replace('effort="1"', effort).replace("{mesh}", "").replace("{lower}", "0")
+    found = read(tmp_path, {}, urdf=model)
+    robot = Robot(hand=found.hand, mount=mounts()["gantry"], hand_model=found.model)
+    engine = pybullet()
+    client = engine.connect(engine.DIRECT)
+    try:
+        hand = BulletHand(engine, client, robot, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), 0.4)
+    finally:
+        engine.disconnect(client)
+    used = hand.efforts[hand.movable_names.index("bend")]
+    assert used == (3.0 if "3" in effort else UNSTATED_EFFORT)
+    said = [warning.message for warning in found.warnings]
+    assert len(said) == ("3" not in effort)
+    assert all("of bend: up to 50 N m, or N of a slide, is used" in message for message in said)

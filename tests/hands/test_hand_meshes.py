@@ -19,8 +19,8 @@ from graspdsl.worlds.bullet.engine import pybullet, silenced
 
 from .models import HAND, SPEC, URDF, changed, write
 
-TUBE = '<cylinder radius="0.01" length="0.02"/>'
-BALL = '<sphere radius="0.01"/>'
+FINGER = '<box size="0.01 0.01 0.04"/>'
+BALL = '<sphere radius="0.011"/>'
 BOX = trimesh.creation.box((0.02, 0.03, 0.05))
 STL, TEXT, OBJ = (
     BOX.export(file_type="stl"),
@@ -61,7 +61,7 @@ def _urdf(shape: str, mesh: str) -> str:
 def test_a_bad_mesh_is_one_complaint(name: str, tmp_path: Path) -> None:
     content, code, said = REFUSED[name]
     (tmp_path / name).write_bytes(content)
-    write(tmp_path, _urdf(TUBE, name))
+    write(tmp_path, _urdf(FINGER, name))
     with pytest.raises(HandFileError) as caught:
         hand_in(SpecFolder(tmp_path), "hand.yaml")
     (fault,) = caught.value.diagnostics
@@ -85,7 +85,7 @@ def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
     for folder in ("urdf", "meshes"):
         (root / folder).mkdir(parents=True)
     (root / "meshes" / "a.stl").write_bytes(STL)
-    (root / "urdf" / "two.urdf").write_text(_urdf(TUBE, "package://robotiq/meshes/a.stl"), encoding="utf-8")
+    (root / "urdf" / "two.urdf").write_text(_urdf(FINGER, "package://robotiq/meshes/a.stl"), encoding="utf-8")
     (root / "hand.yaml").write_text(changed(HAND, ("two.urdf", "urdf/two.urdf")), encoding="utf-8")
     for folder, name in ((root, "hand.yaml"), (tmp_path, "robotiq/hand.yaml")):
         assert f'filename="{root.resolve() / "meshes" / "a.stl"}"' in hand_in(SpecFolder(folder), name).model
@@ -104,7 +104,7 @@ def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
 )
 def test_the_engine_has_the_box_of_a_good_mesh(name: str, content: bytes, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)
-    write(tmp_path, _urdf(TUBE, name))
+    write(tmp_path, _urdf(FINGER, name))
     (tmp_path / "whole.urdf").write_text(hand_in(SpecFolder(tmp_path), "hand.yaml").model, encoding="utf-8")
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
@@ -112,7 +112,7 @@ def test_the_engine_has_the_box_of_a_good_mesh(name: str, content: bytes, tmp_pa
         with silenced():
             body = engine.loadURDF(str(tmp_path / "whole.urdf"), useFixedBase=True, physicsClientId=client)
         links = [engine.getJointInfo(body, j, client)[12] for j in range(engine.getNumJoints(body, client))]
-        low, high = engine.getAABB(body, links.index(b"tip"), client)
+        low, high = engine.getAABB(body, links.index(b"finger"), client)
     finally:
         engine.disconnect(client)
     # The engine puts one margin on all sides.

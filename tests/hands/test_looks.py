@@ -15,7 +15,7 @@ from graspdsl.worlds.bullet.engine import pybullet, silenced
 
 from .models import URDF, changed, write
 
-BALL = '<sphere radius="0.01"/>'
+BALL = '<sphere radius="0.011"/>'
 GEOMETRY = f"<geometry>{BALL}</geometry>"
 RGBA = "0.5 0.5 0.5 1"
 MATERIAL = '<material name="grey"/>'
@@ -45,18 +45,18 @@ def _found(folder: Path, urdf: str) -> FoundHand:
 
 
 def _draws_ball(found: FoundHand, folder: Path) -> bool:
-    """Whether the engine draws the ball of the tip; of a link without looks it draws what touches."""
+    """Whether the engine draws the ball of the tip; of a link without looks it draws what touches, a smaller one."""
     (folder / "model.urdf").write_text(found.model, encoding="utf-8")
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:
         with silenced():
             body = engine.loadURDF(str(folder / "model.urdf"), physicsClientId=client)
-        shapes = [shape[2] for shape in engine.getVisualShapeData(body, physicsClientId=client)]
+        shapes = [shape[2:4] for shape in engine.getVisualShapeData(body, physicsClientId=client)]
     finally:
         engine.disconnect(client)
     assert len(shapes) == 2  # of the finger and its tip
-    return engine.GEOM_SPHERE in shapes
+    return any(kind == engine.GEOM_SPHERE and sizes[0] == pytest.approx(0.011) for kind, sizes in shapes)
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -104,7 +104,7 @@ def test_each_kind_of_these_is_told_once(tmp_path: Path) -> None:
 def test_a_mesh_that_is_also_felt_has_to_be_there(tmp_path: Path) -> None:
     """One file of both uses is one complaint, and no warning."""
     mesh = '<mesh filename="no.stl"/>'
-    urdf = changed(changed(URDF, (BALL, mesh)), ('<cylinder radius="0.01" length="0.02"/>', mesh))
+    urdf = changed(changed(URDF, (BALL, mesh)), ('<sphere radius="0.01"/>', mesh))
     with pytest.raises(HandFileError) as caught:
         _found(tmp_path, urdf)
     assert [fault.severity for fault in caught.value.diagnostics] == [Severity.ERROR]

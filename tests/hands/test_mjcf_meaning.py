@@ -242,10 +242,10 @@ def test_what_joints_are_built_without_is_said_once_of_each_kind() -> None:
     )
     found_model = model(chain, '<default><joint frictionloss="0.5"/></default>')
     plain = model(re.sub(r' (armature|frictionloss)="[^"]*"', "", chain))
-    armature, friction = found_model.warnings
-    assert {warning.code for warning in found_model.warnings} == {"left-out-of-joints"}
+    armature, friction, _ = found_model.warnings
+    assert [warning.code for warning in found_model.warnings] == ["left-out-of-joints"] * 2 + ["no-effort"]
     assert {warning.severity for warning in found_model.warnings} == {Severity.WARNING}
     assert armature.message.startswith(f"x.xml:2:{len(INERTIAL) + 1}: <joint> l: its armature, 0.03, is left out, ")
     assert "<joint> j: its frictionloss, 0.5, is left out, and that of other joints (1): " in friction.message
-    assert plain.warnings == ()
+    assert [warning.code for warning in plain.warnings] == ["no-effort"]
     assert found_model.with_meshes({}) == plain.with_meshes({})

@@ -16,9 +16,10 @@ import pytest
 import trimesh
 
 from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.objects.bodies import body_of
 from graspdsl.objects.facets import convex_parts, shaded
+from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.shapes import Body, Compound, TriangleMesh
 from graspdsl.objects.solid import solid_of
 from graspdsl.spec.scene import InlineObject
@@ -170,6 +171,10 @@ def _folder(path: Path) -> Path:
         "nan.stl": whole[:96] + struct.pack("<f", float("nan")) + whole[100:],
         "flat.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n",
         "lines.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\nf 2 3 2\n",
+        "plane.obj": b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n",
+        "short.obj": b"v 0 0 0\nv 1 0 0\nv 0 1\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n",
+        "huge.obj": b"v 1e308 0 0\nv -1e308 0 0\nv 0 1e308 0\nv 0 0 1e308\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n",
+        "points.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\n",
         "index.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
         "binary.obj": b"\xff\xfe\x00" * 100,
         "part.step": b"ISO-10303-21;",
@@ -221,6 +226,10 @@ CASES = (
     Case("binary.obj", "unreadable-mesh", "binary.obj is no OBJ file: it is not text"),
     Case("part.step", "unknown-mesh-format", "expected .stl or .obj"),
     Case("nan.stl", "bad-mesh", "nan.stl has corners whose coordinates are no numbers"),
+    Case("plane.obj", "bad-mesh", "plane.obj has corners of 2 coordinates"),
+    Case("short.obj", "bad-mesh", "short.obj has corners of 2 coordinates"),
+    Case("huge.obj", "bad-mesh", "huge.obj is inf m long"),
+    Case("points.obj", "empty-mesh", "points.obj holds no triangles"),
     Case("flat.obj", "flat-mesh", "flat.obj is flat: it encloses no volume"),
     Case("lines.obj", "flat-mesh", "lines.obj is flat: its triangles are lines"),
     Case("millimetres.stl", "object-size", "millimetres.stl is 180 m long", Severity.WARNING),
@@ -258,6 +267,44 @@ def test_each_fault_of_a_file_is_one_complaint_at_its_name(case: Case, folder: P
     line = text.split("\n")[found.span.line - 1]
     assert line[found.span.column - 1 : found.span.end_column - 1] == case.file
     assert (examination.program is None) == (case.severity is Severity.ERROR)
+
+
+ODD = {
+    "nothing": (None, "empty-mesh"),
+    "empty scene": (trimesh.Scene(), "empty-mesh"),
+    "points": (trimesh.PointCloud(np.eye(3)), "empty-mesh"),
+    "path": (trimesh.load_path(np.eye(3)), "empty-mesh"),
+    "plane": (trimesh.Trimesh(np.zeros((3, 2)), [[0, 1, 2]], process=False), "bad-mesh"),
+    "no corners": (trimesh.Trimesh(np.zeros((0, 3)), [[0, 1, 2]], process=False), "bad-mesh"),
+    "too few corners": (trimesh.Trimesh(np.eye(3), [[0, 1, 7]], process=False), "bad-mesh"),
+    "corners before the first": (trimesh.Trimesh(np.eye(3), [[0, 1, -7]], process=False), "bad-mesh"),
+    "no numbers": (trimesh.Trimesh(np.full((3, 3), np.nan), [[0, 1, 2]], process=False), "bad-mesh"),
+    "scene of them": (trimesh.Scene([trimesh.Trimesh(np.eye(3), [[0, 1, 2]], process=False)]), "flat-mesh"),
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kind", ODD)
+def test_whatever_the_mesh_library_makes_of_a_file_is_one_complaint(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded, code = ODD[kind]
+    monkeypatch.setattr(trimesh, "load", lambda *_, **__: loaded)
+    with pytest.raises(DiagnosticError) as caught:
+        mesh_of_file("part.obj", b"v 0 0 0\n", np.ones(3), None, lambda _: None)
+    assert [fault.code for fault in caught.value.diagnostics] == [code]
+
+
+def test_all_faults_of_a_urdf_are_told_at_once(tmp_path: Path) -> None:
+    parts = ("<sphere radius='-1'/>", "<cone/>", "<box size='a'/>", "<mesh filename='no.stl'/>", "<box size='1 1 1'/>")
+    collisions = "".join(f"<collision><geometry>{part}</geometry></collision>" for part in parts)
+    mass = "<inertial><mass value='much'/></inertial>"
+    joint = JOINT.format("revolute", "b")
+    text = f"<robot><link name='a'>{collisions}{mass}</link><link name='b'/>{joint}</robot>"
+    (tmp_path / "part.urdf").write_text(text)
+    found = examine(_spec("{urdf: part.urdf}"), "spec.yaml", (), tmp_path).diagnostics
+    said = "\n".join(fault.message for fault in found)
+    assert len(found) == 6
+    for words in ("radius of its <sphere>", "<cone>", "size of its <box>", "no.stl", "value of its <mass>", "revolute"):
+        assert words in said
 
 
 def test_a_file_in_millimetres_is_told_the_scale(folder: Path) -> None:

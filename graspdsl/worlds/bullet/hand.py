@@ -13,12 +13,11 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertips import FingertipShape
+from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.worlds.bullet.assembly import assembled_urdf
 from graspdsl.worlds.bullet.engine import silenced
 from graspdsl.worlds.fingertip_compliance import DAMPING, stiffness_under
 from graspdsl.worlds.protocol import Palm
-
-PASSIVE_EFFORT = 50.0
 
 
 def rotation_matrix(quaternion: tuple[float, ...]) -> Array:
@@ -68,7 +67,7 @@ class BulletHand:
         flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION
         with tempfile.TemporaryDirectory(prefix="graspdsl-") as folder:
             path = Path(folder, "robot.urdf")
-            path.write_text(assembled_urdf(robot), encoding="utf-8")
+            path.write_text(assembled_urdf(robot, Path(folder)), encoding="utf-8")
             with silenced():
                 self.body: int = engine.loadURDF(
                     str(path),
@@ -125,7 +124,7 @@ class BulletHand:
             self.coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
         rows = [self.movable_names.index(name) for name in order]
         self._actuated_rows = np.array(rows)
-        self._efforts = [infos[j][10] or PASSIVE_EFFORT for j in self.movable]
+        self.efforts = [infos[j][10] or UNSTATED_EFFORT for j in self.movable]
 
     def _ignore_neighbours(self) -> None:
         # The primitives of neighbouring links overlap by up to 1.6 mm, and so do those two links apart.
@@ -191,7 +190,7 @@ class BulletHand:
             self.movable,
             self._engine.POSITION_CONTROL,
             targetPositions=(self.coupling @ joints).tolist(),
-            forces=self._efforts,
+            forces=self.efforts,
             physicsClientId=self._client,
         )
 
