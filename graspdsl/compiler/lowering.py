@@ -65,7 +65,8 @@ class _Lowering:
             command = self._build.apply(f"Δ{space.value}", "by contact", operations.by_contact, command)
         if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
             cap = partial(operations.capped_rows, self._target.cap)
-            command = self._build.apply("Δx", "capped", cap, command)
+            about = f"capped at {1000 * self._target.cap:.3g} mm a {self._target.each}"
+            command = self._build.apply("Δx", about, cap, command)
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
         outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]

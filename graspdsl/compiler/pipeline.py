@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,11 @@ class Step:
     function: Callable[..., Array]
     inputs: tuple[int, ...] = ()
     reading: str | None = None
+
+    @property
+    def constants(self) -> tuple[Any, ...]:
+        """What its function holds fixed: gains, caps, arrays."""
+        return self.function.args if isinstance(self.function, partial) else ()
 
 
 @dataclass(frozen=True, slots=True)
