@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +11,7 @@ from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.compiler.citing import cited
 from graspdsl.compiler.definitions import Definition
+from graspdsl.compiler.general_position import in_general_position
 from graspdsl.compiler.graph import (
     Composition,
     ControllerGraph,
@@ -19,14 +19,13 @@ from graspdsl.compiler.graph import (
     ControllerReference,
     SensorReference,
     VectorReference,
+    compositions_in,
     controllers_in,
 )
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
 from graspdsl.compiler.settings import Target
-from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.printer import to_ascii, to_unicode
-from graspdsl.worlds.protocol import Observation
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +108,9 @@ class Explanation:
         """What is worth knowing of the formula before it is run."""
         control = self.target.control
         by_gradient = control.nullspace == "gradient" and control.surface == "tangent"
-        sums = [graph for graph in _compositions(self.executed) if by_gradient and _is_plain_sum(graph)]
+        sums = [
+            inner for graph in self.executed for inner in compositions_in(graph) if by_gradient and _is_plain_sum(inner)
+        ]
         return [
             f"◁ is a plain sum in {_written(graph)}: with all contacts controlled and equal weights the two gradients "
             "are at right angles, so the projector takes nothing away"
@@ -153,38 +154,9 @@ class Explanation:
 def explained(phase: CheckedPhase, target: Target) -> Explanation:
     """The explanation of a checked formula for a robot."""
     pipelines = phase.pipelines(target)
-    observation = _example(target.robot)
+    observation = in_general_position(target.robot)
     shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
     return Explanation(phase, target, phase.executed(target), pipelines, shapes)
-
-
-def _example(robot: Robot) -> Observation:
-    """An observation with the right shapes: contacts around a unit circle."""
-    count, joints = len(robot.contacts), len(robot.joints)
-    angles = 2 * np.pi * np.arange(count) / count
-    points = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(count)])
-    return Observation(
-        time=0.0,
-        points=points,
-        normals=-points,
-        forces=-points,
-        touching=np.ones(count, dtype=bool),
-        joints=np.zeros(joints),
-        jacobian=np.ones((count, 3, joints)),
-        angular_jacobian=np.ones((count, 3, joints)),
-        orientations=np.zeros((count, 3)),
-        centre_of_mass=np.zeros(3),
-        weight=np.array([0.0, 0.0, -1.0]),
-    )
-
-
-def _compositions(graphs: Iterable[ControllerGraph]) -> Iterator[Composition]:
-    for graph in graphs:
-        if isinstance(graph, Composition):
-            yield graph
-            yield from _compositions(graph.terms)
-        elif isinstance(graph.reference, ControllerReference):
-            yield from _compositions([graph.reference.controller])
 
 
 def _is_plain_sum(graph: Composition) -> bool:

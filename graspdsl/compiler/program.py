@@ -12,6 +12,7 @@ from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Declarations, PhaseEntry, declarations_of, default_scene
 from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
+from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.object_check import file_hint, found_object
@@ -103,13 +104,15 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
+        check_effects(spec, check.robot, phases, thing and thing[0], document, complaints)
     diagnostics = in_reading_order([*faults, *complaints.found])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
     body, object_files = thing
     files = (*hand_files.files, *object_files)
     world, definitions = WORLDS[spec.scene.world], check.definitions
-    return Examination(Program(spec, check.robot, world, phases, body, files, definitions), diagnostics)
+    sound = tuple(phase for phase in phases if phase is not None)
+    return Examination(Program(spec, check.robot, world, sound, body, files, definitions), diagnostics)
 
 
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
@@ -241,15 +244,15 @@ class _ProgramCheck:
                 self._complaints.error("declared-twice", message, span, "keep one of them")
             seen.add(name)
 
-    def phases(self) -> tuple[CheckedPhase, ...]:
-        """The phases that are sound; complaints about the others."""
+    def phases(self) -> tuple[CheckedPhase | None, ...]:
+        """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
         for entry in self._declarations.phases:
             phase = self.phase(entry.formula, entry.path)
             if phase is not None:
                 self._fits_world(phase, entry)
                 self._has_residuals(phase, entry)
-                phases.append(phase)
+            phases.append(phase)
         return tuple(phases)
 
     def phase(self, formula: SourceText, path: Path) -> CheckedPhase | None:

@@ -191,7 +191,8 @@ class ReferenceCheck:
             return None
         if set_of_reference.same_as(resources):
             set_of_reference = resources  # in the order of the sensor's rows
-        return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference)
+        parameter = tree.factor.text if isinstance(tree.factor, syntax.Name) else ""
+        return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference, parameter)
 
     def _within(self, values: tuple[float, ...], span: Span) -> bool:
         """Whether numbers that a formula gives are no larger than those of parameters may be."""
