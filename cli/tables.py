@@ -16,7 +16,7 @@ from rich.text import Text
 
 from graspdsl.cli.messages import printable, writable
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import conditions, counted, millimetres, number, percent
+from graspdsl.report.wording import conditions, counted, millimetres, number, percent, repetition
 
 Numbers = dict[str, Any]
 
@@ -66,7 +66,8 @@ def _head(numbers: Numbers) -> list[RenderableType]:
             f"{numbers['outcomes'].get('converged', 0)} of {finished} trials converged: "
             f"{percent(numbers['converged']['share'])} (95 % interval {percent(low)} to {percent(high)})"
         )
-    return [*head, f"Converged: {conditions(numbers['converged']['means'])}."]
+    repeated = repetition(numbers["trials"])
+    return [*head, *([repeated] if repeated else []), f"Converged: {conditions(numbers['converged']['means'])}."]
 
 
 def table(title: str, *columns: str, words: bool = False) -> Table:

@@ -35,6 +35,7 @@ from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control, Phase, Until
+from graspdsl.spec.scene import InlineObject
 
 ROUNDING = 1e-9
 OBSERVATIONS = 3  # in general position, that a projection is tried on
@@ -60,6 +61,7 @@ def check_effects(
             check.conditions(index, settings.until, phase)
             check.stages(index, settings, phase)
             check.priorities(index, phase)
+    check.scene()
     check.forces(phases)
     sound = [phase for phase in phases if phase is not None]
     check.damping(sound)
@@ -91,6 +93,24 @@ class _Check:
         span = self.document.span(path) if value else self.document.key_span(path)
         self.complaints.warning(code, message, span, hint)
 
+    # --- the scene ----------------------------------------------------------------------------------------------
+
+    def scene(self) -> None:
+        """What is said of the mount and of the object and nothing depends on."""
+        scene, thing, path = self.spec.scene, self.spec.scene.object, ("scene", "object")
+        idle: dict[Path, str] = {}
+        if self.target.floats and "mount" in scene.model_fields_set:
+            idle["scene", "mount"] = "floating contacts have no hand"
+        if isinstance(thing, InlineObject) and (self.target.floats or thing.fixed):
+            why = "floating contacts feel no weight" if self.target.floats else "the object is fixed to the world"
+            idle.update({(*path, "mass"): why} if thing.mass is not None else {})
+            idle.update({(*path, "mesh", "density"): why} if thing.mesh and thing.mesh.density is not None else {})
+        cylinder = thing.cylinder if isinstance(thing, InlineObject) else None
+        if cylinder is not None and "edge" in cylinder.model_fields_set and not self.target.floats:
+            idle[*path, "cylinder", "edge"] = "edges are rounded only where contacts float"
+        for place, why in idle.items():
+            self._warn("no-effect", f"{place[-1]} has no effect: {why}", place, "leave it out")
+
     # --- end conditions -----------------------------------------------------------------------------------------
 
     def times(self, index: int, settings: Phase, phase: CheckedPhase | None) -> None:
@@ -102,7 +122,7 @@ class _Check:
             message = f"a limit of {limit:g} s is over before the first tick of {tick:g} s"
             self._warn("never-met", message, (*path, "limit"), "limits are in seconds; give the phase some of them")
         elif count * hold > limit + ROUNDING:
-            each = f", once for each of {count} stages" if count > 1 else ""
+            each = f", once for each of {count} stages," if count > 1 else ""
             message = f"the end conditions cannot hold for {hold:g} s{each} within the limit of {limit:g} s"
             given = (*path, "until", "hold") if "hold" in settings.until.model_fields_set else (*path, "limit")
             hint = f"write a hold below {limit / count:g}, or a limit above {count * hold:g}"
@@ -125,7 +145,7 @@ class _Check:
         self._moment(path, until, grasp)
         strongest = max(self._pressed(phase), key=attrgetter("size"), default=None)
         if until.force_error is not None and strongest is not None and until.force_error >= strongest.size - ROUNDING:
-            message = f"force_error is below {until.force_error:g} N of any contact that hardly presses: the largest "
+            message = f"force_error is below {until.force_error:g} N for a contact that hardly presses: the largest "
             message += f"force asked for is {strongest.size:g} N"
             self._warn("always-met", message, (*path, "force_error"), "give a bound well below that force")
 
@@ -160,8 +180,8 @@ class _Check:
         gone = dict(self._nothing_left(phase.pipelines(self.target)))
         yielding = dict(pair for graph in phase.executed(self.target) for pair in _yielding_forces(graph, self.robot))
         for force, other in yielding.items():
-            left = "nothing is left of it" if force in gone else "where the two disagree, contacts are lost"
-            message = f"{force}, which presses, gives way to {other} of the same contacts: {left}"
+            left = "nothing is left of it" if force in gone else "where the two disagree, it is the force that yields"
+            message = f"{force}, which presses, gives way to {other} of the same fingers: {left}"
             hint = f"the right of ◁ goes first: write {other}… ◁ {force}…, as Eq. 4.22 and 4.26 have it"
             self._warn("force-gives-way", message, path, hint, value=True)
         for lower, higher in gone.items():

@@ -15,13 +15,15 @@ from graspdsl.compiler.definitions import Definition, definitions_with, prelude,
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
+from graspdsl.compiler.numbers_check import check_numbers
 from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.phase import CONDITIONS, CheckedPhase, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture, check_trials, hand_for_floating
+from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.compiler.settings import Target, target_of
+from graspdsl.compiler.trials_check import check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
@@ -96,6 +98,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     check = _ProgramCheck(declarations_of(document), complaints, hand_files)
     phases = check.phases()
     check_scene(document, complaints)
+    check_numbers(document, complaints)
     thing = None
     if spec is not None:
         check_monitors(spec, document, complaints)

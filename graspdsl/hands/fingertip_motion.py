@@ -106,6 +106,11 @@ class FingertipMotion:
                 turning[:, mover.row] = axis if mover.turns else 0.0
         return linear, angular
 
+    def jacobians(self, joints: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (k, 3, n) of the fingertips' centres, at joints (n,)."""
+        linear, angular = self._columns(joints)
+        return linear @ self._coupling, angular @ self._coupling
+
     def _closing(self) -> Iterator[Array]:
         """Joints (n,) on the way from the open to the closed posture, the mount's at zero."""
         opened, closed = self._posture("open"), self._posture("closed")
@@ -158,7 +163,7 @@ class FingertipMotion:
         shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
         for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
             for hand in self._closing():
-                jacobian = self._columns(np.where(mount, arm, hand))[turning] @ self._coupling * weights
+                jacobian = self.jacobians(np.where(mount, arm, hand))[turning] * weights
                 largest = max(largest, float(np.linalg.norm(jacobian.reshape(-1, len(weights)), 2)))
                 if largest > enough:
                     return largest

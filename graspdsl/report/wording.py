@@ -34,6 +34,16 @@ def counted(count: int, one: str, many: str) -> str:
     return f"{count} {one if count == 1 else many}"
 
 
+def repetition(trials: Mapping[str, int]) -> str | None:
+    """What trials that repeat others mean for the intervals; None where all may differ."""
+    finished, different = trials["finished"], trials["different"]
+    if different == finished:
+        return None
+    if different == 1:
+        return f"Nothing differs between these {finished} trials: they count as one, and the intervals say nothing."
+    return f"Only {different} of these {finished} trials can differ: intervals take the others, repeats, as trials too."
+
+
 def conditions(means: Mapping[str, Any]) -> str:
     """What the end conditions of a phase ask for, in words."""
     said = []
