@@ -30,6 +30,7 @@ from graspdsl.compiler.settings import Target, target_of
 from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion, Press
+from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
@@ -158,7 +159,7 @@ class _Check:
         total, squared = float(grasp.weights.sum()), float(grasp.weights @ grasp.weights)
         diagonal = float(np.linalg.norm(self.body.shape.extent))
         most = diagonal * (total if origin == "object" else total - squared / total)
-        if bound >= most - ROUNDING:
+        if bound >= most - ROUNDING and diagonal >= SHORTEST:  # a smaller object has had its complaint
             message = f"moment_residual is always below {bound:g} m: of {grasp.label} on an object {diagonal:.3g} m "
             message += f"across it is at most {most:.3g} m"
             self._warn("always-met", message, (*path, "moment_residual"), "give a bound well below that, as 0.005")
