@@ -307,12 +307,21 @@ class Kind(enum.StrEnum):
 
 
 @app.command(name="list")
-def list_(kind: Annotated[Kind, typer.Argument(metavar="KIND", help="What to list.")], as_json: AsJson = False) -> None:
+def list_(
+    kind: Annotated[Kind, typer.Argument(metavar="KIND", help="What to list.")],
+    spec: Annotated[
+        Path | None,
+        typer.Argument(parser=named, metavar="[SPEC]", help="A spec file (YAML) whose own controllers are listed too."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
     """List what there is to write with."""
+    if spec is not None and kind is not Kind.CONTROLLERS:
+        raise typer.BadParameter("only controllers are a spec's own", param_hint="SPEC")
     with answering(as_json):
         from graspdsl.cli.listing import show_list
 
-        show_list(kind.value, as_json)
+        show_list(kind.value, as_json, spec)
 
 
 @app.command()

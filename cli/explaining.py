@@ -27,22 +27,21 @@ def _is_path(text: str) -> bool:
 
 
 def _of_expression(text: str) -> list[Explanation]:
-    from graspdsl.compiler.declarations import default_scene
     from graspdsl.compiler.explain import explained
-    from graspdsl.compiler.program import default_target, examine_expression
+    from graspdsl.compiler.program import program_of_expression
 
     with reading("expression", text):
-        phase, _ = examine_expression(text)
-    scene = default_scene()
-    resources = ", ".join(f"{entry.key.text} = {entry.value.text}" for entry in scene.resources)
-    say(f"outside a spec: the hand {scene.hand.text} on the mount {scene.mount.text}, {resources}")
-    return [explained(phase, default_target())]
+        program = program_of_expression(text)
+    scene = program.spec.scene
+    resources = ", ".join(f"{name} = {meaning}" for name, meaning in program.spec.resources.items())
+    ways = ["the object held"] if scene.held else []
+    ways += ["displaced by probing"] if program.probes else []
+    say(f"outside a spec: {', '.join([f'the hand {scene.hand} on the mount {scene.mount}', resources, *ways])}")
+    return [explained(phase, program.target) for phase in program.phases]
 
 
 def _of_spec(path: Path) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
-    from graspdsl.compiler.settings import Target
 
     program, _ = sound(path)
-    target = Target(program.robot, program.world.rate, program.spec.control)
-    return [explained(phase, target) for phase in program.phases]
+    return [explained(phase, program.target) for phase in program.phases]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import result, result_json
 from graspdsl.cli.tables import row, table, text_of
 
@@ -12,9 +13,9 @@ Rows = list[dict[str, str]]
 BEGINNING = 4096  # characters of a file in which it says what it is
 
 
-def show_list(kind: str, as_json: bool) -> None:
-    """Print the entries of one kind."""
-    entries = KINDS[kind]()
+def show_list(kind: str, as_json: bool, spec: Path | None = None) -> None:
+    """Print the entries of one kind; of controllers also those that a spec has of its own."""
+    entries = KINDS[kind]() if spec is None else _controllers(spec)
     if as_json:
         result_json({kind: entries})
         return
@@ -63,10 +64,11 @@ def _effectors() -> Rows:
     ]
 
 
-def _controllers() -> Rows:
+def _controllers(spec: Path | None = None) -> Rows:
     from graspdsl.compiler.definitions import prelude
     from graspdsl.notation.printer import to_unicode
 
+    known = prelude() if spec is None else sound(spec)[0].definitions
     return [
         {
             "controller": to_unicode(definition.head),
@@ -74,7 +76,7 @@ def _controllers() -> Rows:
             "stands for": to_unicode(definition.body) if definition.body else "",
             "use it": definition.about,
         }
-        for definition in prelude().values()
+        for definition in known.values()
     ]
 
 

@@ -17,7 +17,7 @@ from rich.text import Text
 from graspdsl.cli.messages import printable, writable
 from graspdsl.diagnostics import on_one_line
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import conditions, counted, feasible, millimetres, number, percent, quantiles
+from graspdsl.report.wording import conditions, counted, feasible, millimetres, number, percent, quantiles, repetition
 
 Numbers = dict[str, Any]
 
@@ -71,7 +71,8 @@ def _head(numbers: Numbers) -> list[RenderableType]:
         )
     if said := feasible(numbers["starts"]):
         head.append(f"That is {said}.")
-    return [*head, f"Converged: {conditions(numbers['converged']['means'])}."]
+    repeated = repetition(numbers["trials"])
+    return [*head, *([repeated] if repeated else []), f"Converged: {conditions(numbers['converged']['means'])}."]
 
 
 def table(title: str, *columns: str, words: bool = False) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import replace
 from typing import TypeVar
 
@@ -14,7 +15,7 @@ from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.citing import cited
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.compiler.definitions import Bindings, Definition, expanded
+from graspdsl.compiler.definitions import TOO_LARGE, Bindings, Definition, abbreviations_in, expanded, in_order_of_use
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.references import ReferenceCheck
 from graspdsl.compiler.resources import ResourceTable
@@ -40,11 +41,42 @@ class Checker:
         parameters: Mapping[str, tuple[float, ...] | None],
         complaints: Complaints,
     ) -> None:
-        self.complaints = complaints
-        self._resources, self._definitions = resources, definitions
+        self.complaints, self.definitions = complaints, dict(definitions)
+        self._resources, self._parameters = resources, parameters
         self._references = ReferenceCheck(self, parameters)
         self._open: list[str] = []
         self._depth = self._visits = 0
+        self._spaces: dict[str, GradientSpace | None] = {}
+
+    def check_definitions(self) -> None:
+        """Check each of the spec's own definitions, used or not; a faulty one has no body any more.
+
+        What their parameters stand for is known only where they are used: faults of that are found there.
+        """
+        doubtful: set[str] = set()  # those that stand on a faulty one: how large they are is not known
+        for definition in in_order_of_use(self.definitions):
+            name, before = definition.head.name.text, len(self.complaints.found)
+            if definition.in_prelude or definition.body is None:
+                continue
+            self.complaints.about(definition.path)
+            self._over_anything(definition).stages(definition.body)
+            if not doubtful.isdisjoint(abbreviations_in(definition.body)):
+                doubtful.add(name)
+                self.complaints.found[before:] = [f for f in self.complaints.found[before:] if f.code != TOO_LARGE]
+            if self.complaints.of_definition(before):
+                doubtful.add(name)
+            if name in doubtful:
+                self.definitions[name] = replace(definition, body=None)
+
+    def _over_anything(self, definition: Definition) -> Checker:
+        """The checker of a definition's body, where nothing is known of its parameters."""
+        names = definition.parameters
+        checker = copy(self)
+        checker._resources = self._resources.with_unknown(names)
+        checker._parameters = {**self._parameters, **dict.fromkeys(names)}
+        checker._references = ReferenceCheck(checker, checker._parameters)
+        checker._open = [definition.head.name.text]
+        return checker
 
     def stages(self, tree: syntax.Expression) -> tuple[ControllerGraph, ...] | None:
         """The graphs of ``a then b then …``, one for a formula without ``then``."""
@@ -74,7 +106,7 @@ class Checker:
         if self._visits < MOST_PARTS and depth < MOST_DEPTH:
             return False
         self.complaints.error(
-            "formula-too-large",
+            TOO_LARGE,
             f"written out, this formula has more than {MOST_PARTS} parts, or parts nested deeper than {MOST_DEPTH}",
             tree.span,
             "use fewer definitions of definitions",
@@ -103,13 +135,9 @@ class Checker:
     def _composition(self, tree: syntax.SubjectTo) -> Composition | None:
         graphs = [self.expression(term) for term in tree.terms]
         complete = [graph for graph in graphs if graph is not None]
-        spaces = {graph.gradient_space for graph in complete}
-        if len(spaces) > 1:
-            found = "; ".join(
-                f"{to_unicode(term)} is in {graph.gradient_space.value}"
-                for term, graph in zip(tree.terms, graphs, strict=True)
-                if graph is not None
-            )
+        known = [(term, space) for term in tree.terms if (space := self.space(term)) is not None]
+        if len({space for _, space in known}) > 1:
+            found = "; ".join(f"{to_unicode(term)} is in {space.value}" for term, space in known)
             self.complaints.error(
                 "mixed-spaces",
                 f"◁ joins gradients of one space only: {found}",
@@ -119,6 +147,25 @@ class Checker:
             return None
         return Composition(tuple(complete)) if len(complete) == len(graphs) else None
 
+    def space(self, tree: syntax.Expression) -> GradientSpace | None:
+        """The gradient space of an expression, faults elsewhere in it apart; None where it has not one and no other."""
+        match tree:
+            case syntax.Controller(potential, effector):
+                moved, moving = EFFECTORS.get(effector.name.text), POTENTIALS.get(potential.text)
+                fits = moved is not None and moving is not None and moved.symbol in moving.effectors
+                return moved.gradient_space if fits and moved is not None else None
+            case syntax.SubjectTo(terms):
+                spaces = {self.space(term) for term in terms}
+                return spaces.pop() if len(spaces) == 1 else None
+            case syntax.Abbreviation(name):
+                definition = self.definitions.get(name.text)
+                if name.text not in self._spaces:
+                    self._spaces[name.text] = None  # of what is defined by itself
+                    if definition is not None and definition.body is not None:
+                        self._spaces[name.text] = self.space(definition.body)
+                return self._spaces[name.text]
+        return None
+
     # --- abbreviations ------------------------------------------------------------------------------------------
 
     def _within(self, tree: syntax.Abbreviation, check: Callable[[syntax.Expression], T]) -> T | None:
@@ -126,17 +173,19 @@ class Checker:
         body = self._expansion(tree)
         if body is None:
             return None
+        before = len(self.complaints.found)
         self._open.append(tree.name.text)
         found = check(body)
         self._open.pop()
+        self.complaints.of_use(before)
         return found
 
     def _expansion(self, tree: syntax.Abbreviation) -> syntax.Expression | None:
         """What an abbreviation stands for, with its arguments in place."""
         name = tree.name.text
-        definition = self._definitions.get(name)
+        definition = self.definitions.get(name)
         if definition is None:
-            hint = known_names_hint(name, self._definitions, "controllers")
+            hint = known_names_hint(name, self.definitions, "controllers")
             self.complaints.error("unknown-controller", f"there is no controller {name}", tree.name.span, hint)
             return None
         if name in self._open:
@@ -193,7 +242,7 @@ class Checker:
             return True
         one, other = self._resources.resolve_any(first), self._resources.resolve_any(second)
         if one is None or other is None or one.same_as(other):
-            return one is not None and other is not None
+            return True
         name = definition.head.name.text
         self.complaints.error(
             "resources-differ",
@@ -214,11 +263,12 @@ class Checker:
         over_joints = sensor is not None and sensor.over_joints
         moved = self._moved(tree.effector.resources, over_joints)
         sensed = self.sensed(tree.sensor.resources, over_joints)
-        fits = potential is not None and self._fits(tree, potential, effector, sensor)
-        if potential is None or sensed is None:
+        if potential is None:
+            self._references.names(tree.reference)
             return None
+        fits = self._fits(tree, potential, effector, sensor)
         sound, reference = self._references.reference(tree.reference, potential, sensed, tree.span)
-        if not (fits and sound) or effector is None or sensor is None or moved is None:
+        if not (fits and sound) or effector is None or sensor is None or moved is None or sensed is None:
             return None
         if sensor.per_contact and not moved.same_as(sensed):
             self.complaints.error(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, has_errors
 from graspdsl.notation.names import canonical
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
@@ -17,6 +17,7 @@ class Complaints:
         self._document = document
         self._path: Path = ()
         self.found: list[Diagnostic] = []
+        self._of_definitions: set[tuple[str, str]] = set()
 
     def about(self, path: Path) -> Path:
         """From now on, complaints concern the value at this path; gives back the path before."""
@@ -35,6 +36,20 @@ class Complaints:
         """Add diagnostics about the present path."""
         for diagnostic in diagnostics:
             self.found.append(self._document.attributed(self._path, diagnostic) if self._document else diagnostic)
+
+    def of_definition(self, since: int) -> bool:
+        """Whether there are errors among the complaints from a number on, which are those about one definition.
+
+        Its warnings are not given again where it is used, as :meth:`of_use` has it.
+        """
+        found = self.found[since:]
+        self._of_definitions |= {(said.code, said.message) for said in found if said.severity is Severity.WARNING}
+        return has_errors(found)
+
+    def of_use(self, since: int) -> None:
+        """From a number on, drop the warnings of a use that were given at a definition already."""
+        told = self._of_definitions
+        self.found[since:] = [said for said in self.found[since:] if (said.code, said.message) not in told]
 
     def of_parameter(self, name: str, complaint: Diagnostic) -> None:
         """Add a diagnostic about the value of a parameter, which all formulas that use it would repeat."""

@@ -17,11 +17,13 @@ from graspdsl.spec.models import LARGEST_PARAMETER
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A key and its text value, each with its places, and the path of the value."""
+    """A key and its text value, each with its places, the path of the value, and what else is said of a controller."""
 
     key: SourceText
     value: SourceText
     path: Path
+    equation: str = ""
+    about: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +134,10 @@ def _entries(document: Document, section: str) -> tuple[Entry, ...]:
     for key, value in _mapping(document, section).items():
         path: Path = (section, key, "is") if isinstance(value, dict) else (section, key)
         text = _text(document, path)
+        said = [value.get(name) if isinstance(value, dict) else None for name in ("equation", "about")]
         if text is not None:
-            entries.append(Entry(document.key_source_text((section, key)), text, path))
+            words = (word if isinstance(word, str) else "" for word in said)
+            entries.append(Entry(document.key_source_text((section, key)), text, path, *words))
     return tuple(entries)
 
 

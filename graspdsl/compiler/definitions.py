@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
+from pathlib import Path as FilePath
 from typing import TypeVar
 
 import yaml
@@ -33,13 +33,14 @@ from graspdsl.notation.tree import (
     Vector,
     Virtual,
 )
+from graspdsl.spec.constructing import Path
 
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """head ≡ body; ``equation`` is the chapter's number of it, empty for a user's own.
+    """head ≡ body, with the equation that it comes from and what it is for. ``path``: where a spec has the body.
 
-    A ``body`` of None stands for one that could not be read, which has had its complaint.
+    A ``body`` of None stands for one that could not be read or that has faults, which has had its complaints.
     """
 
     head: Head
@@ -47,12 +48,19 @@ class Definition:
     equation: str = ""
     about: str = ""
     in_prelude: bool = False
+    path: Path = ()
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names in the head that a use puts its own resources and reference in place of."""
+        reference = () if self.head.reference is None else (self.head.reference,)
+        return tuple(name.text for name in (*self.head.effector, *self.head.sensor, *reference))
 
 
 @cache
 def prelude() -> Mapping[str, Definition]:
     """The chapter's controllers by name."""
-    file = Path(graspdsl.basis.__path__[0], "prelude.yaml")
+    file = FilePath(graspdsl.basis.__path__[0], "prelude.yaml")
     entries = yaml.safe_load(file.read_text("utf-8"))["controllers"]
     definitions = [
         Definition(parse_head(head), parse_expression(entry["is"]), entry["equation"], entry["about"], in_prelude=True)
@@ -85,8 +93,51 @@ def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[s
                 "controller-redefined", f"{name} is defined already, {where}", whole(entry.key), "choose another name"
             )
             continue
-        known[name] = Definition(head, body)
+        known[name] = Definition(head, body, entry.equation, entry.about, path=entry.path)
     return known
+
+
+def used_in(tree: Expression | None, definitions: Mapping[str, Definition]) -> tuple[Definition, ...]:
+    """The definitions that an expression stands on, those in definitions too, in the order in which they are met."""
+    found: dict[str, Definition] = {}
+    waiting = [tree]
+    while waiting:
+        names = dict.fromkeys(abbreviations_in(waiting.pop(0)))
+        new = [definitions[name] for name in names if name in definitions and name not in found]
+        found.update({definition.head.name.text: definition for definition in new})
+        waiting += [definition.body for definition in new]
+    return tuple(found.values())
+
+
+def in_order_of_use(definitions: Mapping[str, Definition]) -> Iterator[Definition]:
+    """Definitions after those that they use, as far as they do not use each other in a circle."""
+    done: set[str] = set()
+    begun: set[str] = set()
+    waiting = list(definitions)[::-1]
+    while waiting:
+        name = waiting[-1]
+        if name not in begun:
+            begun.add(name)
+            used = dict.fromkeys(abbreviations_in(definitions[name].body))
+            waiting += [other for other in used if other in definitions and other not in begun]
+            continue
+        waiting.pop()
+        if name not in done:
+            done.add(name)
+            yield definitions[name]
+
+
+def abbreviations_in(tree: Expression | Reference | None) -> Iterator[str]:
+    """The names of the controllers in an expression, in the order of the formula."""
+    match tree:
+        case Controller():
+            yield from abbreviations_in(tree.reference)
+        case Abbreviation():
+            yield tree.name.text
+            yield from abbreviations_in(tree.reference)
+        case SubjectTo(parts) | Then(parts):
+            for part in parts:
+                yield from abbreviations_in(part)
 
 
 Bindings = Mapping[str, Resources | Reference]
@@ -94,6 +145,7 @@ Tree = TypeVar("Tree", Name, Vector)
 
 
 MOST_MEMBERS = 100
+TOO_LARGE = "formula-too-large"
 
 
 def expanded(body: Expression, bindings: Bindings, span: Span) -> Expression:
@@ -184,7 +236,7 @@ class _Expansion:
             found += given.members if isinstance(given, ResourceSet) else [given]
         if sum(map(_contacts, found)) > MOST_MEMBERS:
             message = f"with its arguments in place, a set would have more than {MOST_MEMBERS} members"
-            raise DiagnosticError([Diagnostic("formula-too-large", message, self._span, "name each contact once")])
+            raise DiagnosticError([Diagnostic(TOO_LARGE, message, self._span, "name each contact once")])
         return tuple(found)
 
 

@@ -64,8 +64,9 @@ class Errors:
     def _shift(self, controller: ControllerGraph, resources: ContactSet, turning: bool) -> int:
         """One step of the controller in the reference, by resource, capped."""
         name, unit = ("Δr", 1.0 / self._target.control.curvature_radius) if turning else ("Δx", 1.0)
-        cap = partial(operations.capped, self._target.cap * unit)
-        moved = self._build.apply(name, "capped", cap, self._motion(controller))
+        cap = self._target.cap * unit
+        capped = partial(operations.capped, cap)
+        moved = self._build.apply(name, self._limited(cap, turning), capped, self._motion(controller))
         rows = partial(operations.rows_of, self._transforms.mixing(resources))
         return self._build.apply(f"{name}({resources.label})", "by resource", rows, moved)
 
@@ -86,9 +87,14 @@ class Errors:
         error = build.apply(label, "flattened", operations.flat, error)
         caps = {TaskSpace.POSITION: 1.0, TaskSpace.ORIENTATION: 1.0 / self._target.control.curvature_radius}
         if space in caps:
-            cap = partial(operations.capped, self._target.cap * caps[space])
-            error = build.apply(label, "capped", cap, error)
+            cap = self._target.cap * caps[space]
+            about = self._limited(cap, space is TaskSpace.ORIENTATION)
+            error = build.apply(label, about, partial(operations.capped, cap), error)
         return error
+
+    def _limited(self, cap: float, turning: bool) -> str:
+        size = f"{cap:.3g} rad" if turning else f"{1000 * cap:.3g} mm"
+        return f"capped at {size} a {self._target.each}"
 
     def _posture(self, node: ControllerNode, joints: JointSet) -> int:
         match node.reference:

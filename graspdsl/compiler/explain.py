@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +10,8 @@ import numpy as np
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.compiler.citing import cited
+from graspdsl.compiler.definitions import Definition
+from graspdsl.compiler.general_position import in_general_position
 from graspdsl.compiler.graph import (
     Composition,
     ControllerGraph,
@@ -18,23 +19,25 @@ from graspdsl.compiler.graph import (
     ControllerReference,
     SensorReference,
     VectorReference,
+    compositions_in,
     controllers_in,
 )
-from graspdsl.compiler.lowering import compile_controller
+from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
-from graspdsl.compiler.program import CheckedPhase
 from graspdsl.compiler.settings import Target
-from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.printer import to_ascii, to_unicode
-from graspdsl.worlds.protocol import Observation
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A checked formula with everything there is to say of it. One pipeline a stage of ``then``."""
+    """A checked formula with everything there is to say of it.
+
+    A stage of ``then`` has one of ``executed``, its controller as it is carried out, and the pipeline that runs.
+    """
 
     phase: CheckedPhase
     target: Target
+    executed: tuple[ControllerGraph, ...]
     pipelines: tuple[Pipeline, ...]
     shapes: tuple[tuple[tuple[int, ...], ...], ...]
 
@@ -48,11 +51,12 @@ class Explanation:
 
     def tree(self) -> str:
         """The controllers by priority, with their equations, spaces and shapes."""
-        blocks = [self._stage(graph, f"stage {i + 1}") for i, graph in enumerate(self.phase.stages)]
+        blocks = [self._stage(graph, f"stage {i + 1}") for i, graph in enumerate(self.executed)]
         return "\n".join(blocks)
 
     def pipeline(self) -> str:
-        """The numerical steps, as a tree from the command down to what is read; a step shown before is only named."""
+        """The numerical steps, as trees from the command and from what is monitored down to what is read; a step shown
+        before is only named."""
         return "\n".join(
             _pipeline_tree(pipeline, shapes) for pipeline, shapes in zip(self.pipelines, self.shapes, strict=True)
         )
@@ -61,6 +65,10 @@ class Explanation:
         """All of it, for a terminal."""
         rows = [f"formula    {self.unicode()}", f"ASCII      {self.ascii()}"]
         rows += [f"stands for {_written(graph)}" for graph in self.phase.stages]
+        if self.executed != self.phase.stages:
+            rows += [f"runs as    {_written(graph)}" for graph in self.executed]
+        rows += [f"runs       {self._pace()}"]
+        rows += ["", "definitions", *map(_definition, self.phase.uses)] if self.phase.uses else []
         rows += ["", "resources", *self._resources(), "", "controllers, highest priority first", self.tree(), ""]
         rows += [f"note: {note}" for note in self.notes()]
         rows += ["", "pipeline", self.pipeline()]
@@ -72,21 +80,27 @@ class Explanation:
             "unicode": self.unicode(),
             "ascii": self.ascii(),
             "stands_for": [_written(graph) for graph in self.phase.stages],
+            "runs_as": [_written(graph) for graph in self.executed],
+            "rate": self.target.rate,
+            "displacement": self.target.control.displacement,
+            "definitions": [
+                {
+                    "head": to_unicode(definition.head),
+                    "body": to_unicode(definition.body) if definition.body else "",
+                    "equation": definition.equation,
+                    "about": definition.about,
+                }
+                for definition in self.phase.uses
+            ],
             "notes": self.notes(),
-            "gradient_space": [graph.gradient_space.value for graph in self.phase.stages],
-            "controllers": [[_node(node) for node in controllers_in(graph)] for graph in self.phase.stages],
+            "gradient_space": [graph.gradient_space.value for graph in self.executed],
+            "controllers": [[_node(node) for node in controllers_in(graph)] for graph in self.executed],
             "pipeline": [
                 [
-                    {
-                        "step": i,
-                        "label": step.label,
-                        "about": step.about,
-                        "inputs": list(step.inputs),
-                        "shape": list(shape),
-                    }
-                    for i, (step, shape) in enumerate(zip(pipeline.steps, shapes, strict=True))
+                    {"step": i, **_step(step, shape)}
+                    for i, (step, shape) in enumerate(zip(made.steps, shapes, strict=True))
                 ]
-                for pipeline, shapes in zip(self.pipelines, self.shapes, strict=True)
+                for made, shapes in zip(self.pipelines, self.shapes, strict=True)
             ],
         }
 
@@ -94,7 +108,9 @@ class Explanation:
         """What is worth knowing of the formula before it is run."""
         control = self.target.control
         by_gradient = control.nullspace == "gradient" and control.surface == "tangent"
-        sums = [graph for graph in _compositions(self.phase.stages) if by_gradient and _is_plain_sum(graph)]
+        sums = [
+            inner for graph in self.executed for inner in compositions_in(graph) if by_gradient and _is_plain_sum(inner)
+        ]
         return [
             f"◁ is a plain sum in {_written(graph)}: with all contacts controlled and equal weights the two gradients "
             "are at right angles, so the projector takes nothing away"
@@ -103,7 +119,12 @@ class Explanation:
 
     def _resources(self) -> list[str]:
         contacts, joints = [*self.target.robot.contacts, "gravity"], list(self.target.robot.joints)
-        sets = {s.label: s for graph in self.phase.stages for n in controllers_in(graph) for s in _sets(n)}
+        sets = {
+            s.label: s
+            for graph in (*self.phase.stages, *self.executed)
+            for n in controllers_in(graph)
+            for s in _sets(n)
+        }
         rows = []
         for label, resources in sets.items():
             if isinstance(resources, JointSet):
@@ -116,6 +137,13 @@ class Explanation:
             rows.append(f"  {label} = {{{', '.join(means)}}}")
         return rows
 
+    def _pace(self) -> str:
+        """How often the pipeline is evaluated, and what a step of it is."""
+        rate = f"{self.target.rate:g} times a second"
+        if self.target.floats:
+            return f"{rate}, contacts float"
+        return f"once a probe, {rate} for joint displacements" if self.target.probes else f"{rate}, contacts slide"
+
     def _stage(self, graph: ControllerGraph, name: str) -> str:
         rows = [f"  {name}"] if len(self.phase.stages) > 1 else []
         rows += _graph(graph, "  ")
@@ -125,39 +153,10 @@ class Explanation:
 
 def explained(phase: CheckedPhase, target: Target) -> Explanation:
     """The explanation of a checked formula for a robot."""
-    pipelines = tuple(compile_controller(graph, phase.grasp, target) for graph in phase.stages)
-    observation = _example(target.robot)
+    pipelines = phase.pipelines(target)
+    observation = in_general_position(target.robot)
     shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
-    return Explanation(phase, target, pipelines, shapes)
-
-
-def _example(robot: Robot) -> Observation:
-    """An observation with the right shapes: contacts around a unit circle."""
-    count, joints = len(robot.contacts), len(robot.joints)
-    angles = 2 * np.pi * np.arange(count) / count
-    points = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(count)])
-    return Observation(
-        time=0.0,
-        points=points,
-        normals=-points,
-        forces=-points,
-        touching=np.ones(count, dtype=bool),
-        joints=np.zeros(joints),
-        jacobian=np.ones((count, 3, joints)),
-        angular_jacobian=np.ones((count, 3, joints)),
-        orientations=np.zeros((count, 3)),
-        centre_of_mass=np.zeros(3),
-        weight=np.array([0.0, 0.0, -1.0]),
-    )
-
-
-def _compositions(graphs: Iterable[ControllerGraph]) -> Iterator[Composition]:
-    for graph in graphs:
-        if isinstance(graph, Composition):
-            yield graph
-            yield from _compositions(graph.terms)
-        elif isinstance(graph.reference, ControllerReference):
-            yield from _compositions([graph.reference.controller])
+    return Explanation(phase, target, phase.executed(target), pipelines, shapes)
 
 
 def _is_plain_sum(graph: Composition) -> bool:
@@ -216,8 +215,23 @@ def _graph(graph: ControllerGraph, indent: str) -> list[str]:
     return rows
 
 
+def _definition(definition: Definition) -> str:
+    """``head ≡ body  (Eq. 4.30) what it is for``."""
+    body = to_unicode(definition.body) if definition.body else ""
+    equation = f"({cited(definition.equation)})" if definition.equation else ""
+    said = " ".join(filter(None, (equation, definition.about)))
+    return f"  {to_unicode(definition.head)} ≡ {body}" + (f"  {said}" if said else "")
+
+
 def _step(step: Step, shape: tuple[int, ...]) -> dict[str, Any]:
-    return {"label": step.label, "about": step.about, "inputs": list(step.inputs), "shape": list(shape)}
+    """A step as data; ``constants`` are the numbers that its function holds fixed."""
+    return {
+        "label": step.label,
+        "about": step.about,
+        "inputs": list(step.inputs),
+        "shape": list(shape),
+        "constants": [np.asarray(value).tolist() for value in step.constants],
+    }
 
 
 def _node(node: ControllerNode) -> dict[str, Any]:
@@ -249,8 +263,13 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...]) -> s
 
     add(pipeline.command, "  ", "  ")
     monitored = {SENSORS["σ_fr"].symbol: pipeline.force_residual, SENSORS["σ_mr"].symbol: pipeline.moment_residual}
+    if pipeline.force_error is not None:
+        monitored["force error"] = pipeline.force_error
     rows.append("  monitored: " + ", ".join(f"{name} [{step}]" for name, step in monitored.items()))
+    for step in (*monitored.values(), *pipeline.ranks, *(leak.step for leak in pipeline.leaks)):
+        if step not in shown:
+            add(step, "    ", "    ")
     rows += [f"  certified: [{leak.step}] {leak.lower} does not reach {leak.higher}" for leak in pipeline.leaks]
     reads = [step.label for step in pipeline.steps if step.reading]
-    rows.append(f"  {len(pipeline.steps)} steps; read once a tick: {', '.join(reads)}")
+    rows.append(f"  {len(pipeline.steps)} steps; read once: {', '.join(reads)}")
     return "\n".join(rows)

@@ -13,7 +13,10 @@ from graspdsl.basis.spaces import GradientSpace
 
 @dataclass(frozen=True, slots=True)
 class VectorReference:
-    """A reference given as numbers: one row a resource, (m, 3) flattened."""
+    """A reference given as numbers: one row a resource, (m, 3) flattened.
+
+    ``label``: the name of the parameter that they are, or the numbers.
+    """
 
     label: str
     values: tuple[float, ...]
@@ -21,12 +24,13 @@ class VectorReference:
 
 @dataclass(frozen=True, slots=True)
 class SensorReference:
-    """A reference made of a sensor: factor · σ(Γ), as κ_f σ_n(Γ)."""
+    """A reference made of a sensor: factor · σ(Γ), as κ_f σ_n(Γ). ``parameter``: the name of a factor that has one."""
 
     label: str
     factor: float
     sensor: Sensor
     resources: ContactSet | JointSet
+    parameter: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +82,11 @@ def controllers_in(graph: ControllerGraph) -> list[ControllerNode]:
         return [node for term in graph.terms for node in controllers_in(term)]
     inner = controllers_in(graph.reference.controller) if isinstance(graph.reference, ControllerReference) else []
     return [graph, *inner]
+
+
+def compositions_in(graph: ControllerGraph) -> list[Composition]:
+    """Every ◁ of a graph, those of terms and of references too."""
+    if isinstance(graph, Composition):
+        return [graph, *(inner for term in graph.terms for inner in compositions_in(term))]
+    reference = graph.reference
+    return compositions_in(reference.controller) if isinstance(reference, ControllerReference) else []

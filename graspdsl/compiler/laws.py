@@ -51,12 +51,14 @@ class Laws:
         )
         moment = node.potential.space is TaskSpace.NET_MOMENT
         gain = 0.5 * step * self._control.moment_gain / radius if moment else 0.5 * step * radius
-        metres = node.gradient_space is GradientSpace.CARTESIAN
-        gain, unit = (gain, "m") if metres else (gain / radius**2, "rad")
+        turns = node.gradient_space is not GradientSpace.CARTESIAN
+        gain, moved = (gain / radius**2, f"{step / radius:.3g} rad") if turns else (gain, f"{1000 * step:.3g} mm")
         name = node.potential.symbol
         about = f"gradient in {node.gradient_space.value}, {cited(node.effector.equation)}"
         gradient = self._build.apply(f"τᵀ∇{name}", about, operations.transposed_times, task, slope)
-        return self._build.apply(f"−k∇{name}", f"step down it [{unit} a tick]", partial(np.multiply, gain), gradient)
+        what = f"a moment of {1000 * radius:.3g} mm, × {self._control.moment_gain:g}" if moment else "a unit net force"
+        about = f"step down it, k = {gain:.3g}: {moved} a {self._target.each} for {what}"
+        return self._build.apply(f"−k∇{name}", about, partial(np.multiply, gain), gradient)
 
     def _inverse(self, node: ControllerNode, slope: int, task: int) -> int:
         """J⁺e or Jᵀe while every contact touches; otherwise the contacts wait for each other."""
@@ -80,21 +82,23 @@ class Laws:
         """Admittance times Jᵀe for contacts that touch; the others approach along their normals, finger by finger."""
         build, resources, read = self._build, contacts_of(node.effector_resources), self._transforms.read
         fastest, admittance = self._control.approach / self._target.rate, self._control.admittance
-        name, unit = node.potential.symbol, "m/N"
+        name, unit, most = node.potential.symbol, "m/N", "m"
         if node.potential.space is TaskSpace.MOMENT:
-            admittance, unit = admittance / self._control.curvature_radius**2, "1/(N·m)"
+            admittance, unit, most = admittance / self._control.curvature_radius**2, "1/(N·m)", "rad"
             fastest /= self._control.curvature_radius
         check = partial(operations.row_touches, self._transforms.mixing(resources))
         touching = build.apply("touch(Γ)", "1 for each resource that touches", check, read("touching"))
         rows = build.apply(f"∇{name}(Γ)", "by resource", operations.by_contact, slope)
         press = partial(operations.pressing, admittance, fastest)
-        pressed = build.apply("k e", f"admittance {admittance:g} {unit} a tick, capped", press, rows, touching)
+        about = f"admittance {admittance:g} {unit} a tick, capped at {fastest:.3g} {most} a tick"
+        pressed = build.apply("k e", about, press, rows, touching)
         pressed = build.apply("k e", "flattened", operations.flat, pressed)
         about = f"joint displacement, {cited(node.potential.equation)}"
         servo = build.apply("τᵀ k e", about, operations.transposed_times, task, pressed)
         close = partial(operations.approach, self._transforms.fingers(resources), fastest)
         inputs = (read("jacobian"), read("normals"), read("touching"))
-        approach = build.apply("approach", "contacts that do not touch close with their own fingers", close, *inputs)
+        about = f"contacts that do not touch close with their own fingers, {fastest:.3g} m a tick"
+        approach = build.apply("approach", about, close, *inputs)
         return build.apply(f"Δ{name}", "servo + approach", np.add, servo, approach)
 
     def _posture(self, node: ControllerNode, slope: int, task: int) -> int:

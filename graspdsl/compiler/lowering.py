@@ -15,7 +15,7 @@ from graspdsl.compiler.citing import cited
 from graspdsl.compiler.errors import Errors
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.laws import Laws
-from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder
+from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder, Projection
 from graspdsl.compiler.settings import Target
 from graspdsl.compiler.transforms import Transforms
 
@@ -52,6 +52,7 @@ class _Lowering:
         self._laws = Laws(self._build, self._transforms, grasp, target)
         self._leaks: list[Leak] = []
         self._ranks: list[int] = []
+        self._projections: list[Projection] = []
         self._force_errors: list[int] = []
 
     def pipeline(self, graph: ControllerGraph) -> Pipeline:
@@ -65,7 +66,8 @@ class _Lowering:
             command = self._build.apply(f"Δ{space.value}", "by contact", operations.by_contact, command)
         if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
             cap = partial(operations.capped_rows, self._target.cap)
-            command = self._build.apply("Δx", "capped", cap, command)
+            about = f"capped at {1000 * self._target.cap:.3g} mm a {self._target.each}"
+            command = self._build.apply("Δx", about, cap, command)
         force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
         moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
         outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]
@@ -80,6 +82,9 @@ class _Lowering:
             moment_residual=number[moment_residual],
             leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
             ranks=tuple(number[rank] for rank in self._ranks),
+            projections=tuple(
+                replace(found, before=number[found.before], after=number[found.after]) for found in self._projections
+            ),
             force_error=None if force_error is None else number[force_error],
             limits=self._target.limits if space is GradientSpace.JOINTS else None,
         )
@@ -119,6 +124,8 @@ class _Lowering:
                 f"N Δ{level.label}", "the lower level, projected", operations.times, projector, level.displacement
             )
             self._ranks.append(self._build.apply("rank", "dimension of the null space", operations.rank, projector))
+            labels = tuple(higher.label for higher in above)
+            self._projections.append(Projection(level.label, labels, level.displacement, projected))
             for higher, step in zip(above, felt, strict=True):
                 self._certify(level, higher, step, projected)
             total = self._build.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)

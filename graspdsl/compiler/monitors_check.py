@@ -9,7 +9,7 @@ from graspdsl.objects.shapes import Sphere, catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
-from graspdsl.spec.monitors import OFF
+from graspdsl.spec.monitors import OFF, TIMES
 from graspdsl.spec.scene import InlineObject
 from graspdsl.worlds.kinds import WORLDS
 
@@ -23,13 +23,33 @@ ROLLING = {"lean": "a ball may roll, and never leans"}
 
 def check_monitors(spec: Spec, document: Document, complaints: Complaints) -> None:
     """Warn of monitors that are asked for and can never speak in the scene."""
-    idle = _idle(spec)
+    idle = {**_never_long_enough(spec), **_idle(spec)}
     for name in sorted(spec.monitors.model_fields_set & idle.keys()):
         if getattr(spec.monitors, name) != OFF:
             path: Path = ("monitors", name)
             complaints.about(path)
             message = f"{name} has no effect: {idle[name]}"
             complaints.warning("no-effect", message, document.key_span(path), "leave it out")
+
+
+def _never_long_enough(spec: Spec) -> Mapping[str, str]:
+    """The monitors whose bounds no trial can reach, each with the reason."""
+    bounds, world, idle = spec.monitors, WORLDS[spec.scene.world], dict[str, str]()
+    longest = max(phase.limit for phase in spec.program)
+    waiting = [phase.limit for phase in spec.program if phase.until.force_residual or phase.until.moment_residual]
+    for name in TIMES:
+        bound = getattr(bounds, name)
+        if bound != OFF and bound >= longest:
+            idle[name] = f"no phase lasts for more than {longest:g} s"
+    if bounds.dragged != OFF and bounds.shift != OFF and bounds.dragged >= bounds.shift:
+        idle["dragged"] = f"an object that has moved by {bounds.shift:g} m has ended the trial as diverged"
+    if not waiting:
+        idle["progress"] = "no phase waits for a residual"
+    elif bounds.progress != OFF and (world.floats or spec.control.displacement == "sliding"):
+        window = bounds.progress.window
+        if 2.0 * window > max(waiting) + 1.0 / world.rate:
+            idle["progress"] = f"no phase that waits for a residual lasts for two windows of {window:g} s"
+    return idle
 
 
 def _idle(spec: Spec) -> Mapping[str, str]:

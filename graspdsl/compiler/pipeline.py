@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,11 @@ class Step:
     inputs: tuple[int, ...] = ()
     reading: str | None = None
 
+    @property
+    def constants(self) -> tuple[Any, ...]:
+        """What its function holds fixed: gains, caps, arrays."""
+        return self.function.args if isinstance(self.function, partial) else ()
+
 
 @dataclass(frozen=True, slots=True)
 class Leak:
@@ -31,6 +37,16 @@ class Leak:
     lower: str
     higher: str
     step: int
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """Where a lower level goes through the null space of all higher ones: its displacement ``before`` and ``after``."""
+
+    lower: str
+    higher: tuple[str, ...]
+    before: int
+    after: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +72,8 @@ class Pipeline:
     ``command`` is the step whose value is the displacement; ``force_residual`` and ``moment_residual`` the steps of the
     sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources. ``ranks``: the dimensions of the null
     spaces that lower levels run in. ``force_error``: the largest distance [N] of a contact force from its reference,
-    None when no controller has one. ``limits``: lower and upper (n,) of the joints that it drives [m or rad].
+    None when no controller has one. ``projections``: those of lower levels. ``limits``: lower and upper (n,) of the
+    joints that it drives [m or rad].
     """
 
     steps: tuple[Step, ...]
@@ -66,6 +83,7 @@ class Pipeline:
     moment_residual: int
     leaks: tuple[Leak, ...]
     ranks: tuple[int, ...] = ()
+    projections: tuple[Projection, ...] = ()
     force_error: int | None = None
     limits: tuple[Array, Array] | None = None
 
@@ -131,11 +149,11 @@ class PipelineBuilder:
 
     def constant(self, label: str, about: str, value: Array) -> int:
         """The step that gives a fixed array."""
-        return self._add(_fingerprint(value), Step(label, about, partial(_same, value)))
+        return self._add(fingerprint(value), Step(label, about, partial(_same, value)))
 
     def apply(self, label: str, about: str, function: Callable[..., Array], *inputs: int) -> int:
         """The step that applies a function, or a partial of one, to the values of earlier steps."""
-        return self._add((_fingerprint(function), inputs), Step(label, about, function, inputs))
+        return self._add((fingerprint(function), inputs), Step(label, about, function, inputs))
 
     def needed(self, outputs: Iterable[int]) -> tuple[tuple[Step, ...], Mapping[int, int]]:
         """The steps that some output depends on, renumbered, and the new number of each."""
@@ -162,10 +180,10 @@ def _same(value: Array) -> Array:
     return value
 
 
-def _fingerprint(value: object) -> Hashable:
+def fingerprint(value: object) -> Hashable:
     """Equal for functions that do the same: partials are told apart by what they fix, arrays by their numbers."""
     if isinstance(value, partial):
-        fixed = [_fingerprint(argument) for argument in (*value.args, *value.keywords.values())]
+        fixed = [fingerprint(argument) for argument in (*value.args, *value.keywords.values())]
         return (value.func, *value.keywords, *fixed)
     if isinstance(value, np.ndarray):
         return (value.shape, value.tobytes())

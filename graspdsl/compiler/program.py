@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
-from graspdsl.basis.effectors import EFFECTORS
-from graspdsl.basis.potentials import POTENTIALS
-from graspdsl.basis.resources import ContactResource, ContactSet
-from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import GradientSpace, TaskSpace
+from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Declarations, PhaseEntry, declarations_of, default_scene
-from graspdsl.compiler.definitions import definitions_with
-from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
-from graspdsl.compiler.lowering import compile_controller
+from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
+from graspdsl.compiler.effects_check import check_effects
+from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
+from graspdsl.compiler.numbers_check import check_numbers
 from graspdsl.compiler.object_check import file_hint, found_object
+from graspdsl.compiler.phase import CONDITIONS, CheckedPhase, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture, check_trials, hand_for_floating
+from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
-from graspdsl.compiler.settings import Target
+from graspdsl.compiler.settings import Target, target_of
 from graspdsl.compiler.start_check import check_sizes
+from graspdsl.compiler.trials_check import check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
 from graspdsl.hands.mount_check import taken_names
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
-from graspdsl.notation.printer import to_unicode
-from graspdsl.notation.tree import Expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
@@ -40,36 +38,17 @@ from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.named_files import NamedFile, SpecFolder
-from graspdsl.spec.program import Control
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HERE = FilePath()
 
-# What a phase can wait for: the task spaces of the potentials that lower it, and the first of them to name.
-CONDITIONS = {
-    "force_residual": ({TaskSpace.NET_FORCE, TaskSpace.NET_WRENCH}, "φ_fr"),
-    "moment_residual": ({TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH}, "φ_mr"),
-    "force_error": ({TaskSpace.FORCE}, "φ_f"),
-}
-
-
-@dataclass(frozen=True, slots=True)
-class CheckedPhase:
-    """A phase of a program: its controllers, run one after the other, and the resources its residuals are of."""
-
-    formula: Expression
-    stages: tuple[ControllerGraph, ...]
-    grasp: ContactSet
-
-    @property
-    def label(self) -> str:
-        """The formula in Unicode."""
-        return to_unicode(self.formula)
-
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it."""
+    """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it.
+
+    ``definitions``: the controllers there are by name, the prelude's and its own.
+    """
 
     spec: Spec
     robot: Robot
@@ -77,17 +56,17 @@ class Program:
     phases: tuple[CheckedPhase, ...]
     body: Body
     files: tuple[NamedFile, ...] = ()
+    definitions: Mapping[str, Definition] = field(default_factory=prelude)
 
     @property
     def probes(self) -> bool:
         """Whether a displacement of the contacts is one probe, and not one tick."""
-        return self.spec.control.displacement == "probing" and not self.world.floats
+        return self.target.probes
 
     @property
     def target(self) -> Target:
         """What the program's pipelines drive."""
-        probing = self.world.floats or self.probes
-        return Target(self.robot, self.world.rate, self.spec.control, probing, self.spec.scene.held)
+        return target_of(self.spec, self.robot)
 
     @property
     def monitors(self) -> MonitorBounds:
@@ -96,11 +75,7 @@ class Program:
 
     def pipelines(self) -> tuple[tuple[Pipeline, ...], ...]:
         """The compiled stages of every phase."""
-        target = self.target
-        return tuple(
-            tuple(compile_controller(executable(stage, self.probes), phase.grasp, target) for stage in phase.stages)
-            for phase in self.phases
-        )
+        return tuple(phase.pipelines(self.target) for phase in self.phases)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +100,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     check = _ProgramCheck(declarations_of(document), complaints, hand_files)
     phases = check.phases()
     check_scene(document, complaints)
+    check_numbers(document, complaints)
     thing = None
     if spec is not None:
         check_monitors(spec, document, complaints)
@@ -133,6 +109,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
+        check_effects(spec, check.robot, phases, thing and thing[0], document, complaints)
         if thing is not None and check.robot.hand.urdf and not WORLDS[spec.scene.world].floats:
             check_sizes(spec, check.robot, thing[0], document, complaints)
     diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
@@ -140,7 +117,9 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
         return Examination(None, diagnostics)
     body, object_files = thing
     files = (*hand_files.files, *object_files)
-    return Examination(Program(spec, check.robot, WORLDS[spec.scene.world], phases, body, files), diagnostics)
+    world, definitions = WORLDS[spec.scene.world], check.definitions
+    sound = tuple(phase for phase in phases if phase is not None)
+    return Examination(Program(spec, check.robot, world, sound, body, files, definitions), diagnostics)
 
 
 # What is complained of when the section that declares it cannot be read, which has had its complaint.
@@ -172,10 +151,35 @@ def examine_expression(text: str) -> tuple[CheckedPhase, Robot]:
     return phase, check.robot
 
 
-def default_target() -> Target:
-    """The robot, rate and control settings of the default scene."""
+def program_of_expression(text: str) -> Program:
+    """The program whose one phase is an expression, in the default scene. Raises DiagnosticError.
+
+    The scene is what the expression needs: contacts are displaced by probing where it commands their displacements,
+    and the object is held where it turns contacts or senses gravity.
+    """
+    phase, hand = examine_expression(text)
     scene = default_scene()
-    return Target(robot(scene.hand.text, scene.mount.text), WORLDS[scene.world.text].rate, Control())
+    nodes = [node for stage in phase.stages for node in controllers_in(stage)]
+    held = any(
+        node.gradient_space is GradientSpace.ROTATION
+        or (isinstance(node.sensor_resources, ContactSet) and node.sensor_resources.has_gravity)
+        for node in nodes
+    )
+    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[scene.world.text].sliding | {
+        GradientSpace.ROTATION
+    }
+    spec = Spec.model_validate(
+        {
+            "graspdsl": 1,
+            "name": "formula",
+            "scene": {"world": scene.world.text, "object": {"like": "towel-roll", "held": held}},
+            "resources": {entry.key.text: entry.value.text for entry in scene.resources},
+            "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
+            "control": {"displacement": "sliding" if slides else "probing"},
+            "program": [{"run": phase.label, "until": {"contact": "all"}}],
+        }
+    )
+    return Program(spec, hand, WORLDS[scene.world.text], (phase,), catalogue()["towel-roll"])
 
 
 class _ProgramCheck:
@@ -183,8 +187,6 @@ class _ProgramCheck:
         self._declarations, self._complaints, self._files = declarations, complaints, files
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
-        if self.robot is None:
-            return
         self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
         table = ResourceTable(
@@ -196,6 +198,12 @@ class _ProgramCheck:
             other_hand=hand_for_floating(declarations),
         )
         self._checker = Checker(table, definitions, declarations.parameters, complaints)
+        self._checker.check_definitions()
+
+    @property
+    def definitions(self) -> Mapping[str, Definition]:
+        """The controllers that formulas may name."""
+        return self._checker.definitions
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
@@ -258,17 +266,15 @@ class _ProgramCheck:
                 self._complaints.error("declared-twice", message, span, "keep one of them")
             seen.add(name)
 
-    def phases(self) -> tuple[CheckedPhase, ...]:
-        """The phases that are sound; complaints about the others."""
-        if self.robot is None:
-            return ()
+    def phases(self) -> tuple[CheckedPhase | None, ...]:
+        """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
         for entry in self._declarations.phases:
             phase = self.phase(entry.formula, entry.path)
             if phase is not None:
                 self._fits_world(phase, entry)
                 self._has_residuals(phase, entry)
-                phases.append(phase)
+            phases.append(phase)
         return tuple(phases)
 
     def phase(self, formula: SourceText, path: Path) -> CheckedPhase | None:
@@ -280,7 +286,11 @@ class _ProgramCheck:
             self._complaints.take(error)
             return None
         stages = self._checker.stages(tree)
-        return None if stages is None or self.robot is None else CheckedPhase(tree, stages, _grasp(stages, self.robot))
+        return (
+            None
+            if stages is None or self.robot is None
+            else CheckedPhase(tree, stages, grasp_of(stages, self.robot), used_in(tree, self._checker.definitions))
+        )
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
         world = WORLDS.get(self._declarations.world.text)
@@ -309,7 +319,10 @@ class _ProgramCheck:
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        controlled = {node.potential.space for stage in phase.stages for node in controllers_in(stage)}
+        world = WORLDS.get(self._declarations.world.text)
+        probes = self._declarations.displacement == "probing" and world is not None and not world.floats
+        executed = [executable(stage, probes) for stage in phase.stages]
+        controlled = {node.potential.space for stage in executed for node in controllers_in(stage)}
         for key, (spaces, lowering) in CONDITIONS.items():
             if entry.conditions.get(key) is not None and not spaces & controlled and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
@@ -320,37 +333,3 @@ class _ProgramCheck:
                     self._declarations.document.key_span(path),
                     f"wait for something else, or run a controller with {lowering}",
                 )
-
-
-def _slides(node: ControllerNode) -> bool:
-    """Whether a controller moves contacts over a surface, as another one tells it to."""
-    return node.potential.space is TaskSpace.POSITION and isinstance(node.reference, ControllerReference)
-
-
-def executable(graph: ControllerGraph, probes: bool = False) -> ControllerGraph:
-    """A controller as a world carries it out.
-
-    Rotations of contacts become references of φ_r, as Eq. 4.41 has it. Where contacts are displaced by probing, a
-    controller that slides them is what moves its reference: a probe presses by touching (Sec. 4.1.2, 4.3.3).
-    """
-    sliding = [node.reference for node in controllers_in(graph) if probes and _slides(node)]
-    if sliding and isinstance(sliding[0], ControllerReference):
-        return sliding[0].controller
-    if graph.gradient_space is not GradientSpace.ROTATION:
-        return graph
-    moved = next(n.effector_resources for n in controllers_in(graph) if n.gradient_space is GradientSpace.ROTATION)
-    label = f"φ_r|τ_r({moved.label}) σ_r({moved.label})"
-    reference = ControllerReference(graph)
-    return ControllerNode(label, POTENTIALS["φ_r"], EFFECTORS["τ_r"], moved, SENSORS["σ_r"], moved, reference)
-
-
-def _grasp(stages: tuple[ControllerGraph, ...], robot: Robot) -> ContactSet:
-    """The resources whose residuals matter: those of the first residual sensor, else those the phase moves, else all
-    of the robot's contacts."""
-    nodes = [node for stage in stages for node in controllers_in(stage)]
-    residuals = (TaskSpace.NET_FORCE, TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH)
-    graded = [node.sensor_resources for node in nodes if node.potential.space in residuals]
-    moved = [node.effector_resources for node in nodes]
-    every = tuple(ContactResource(name, ((index, 1.0),)) for index, name in enumerate(robot.contacts))
-    contacts = [found for found in [*graded, *moved] if isinstance(found, ContactSet)]
-    return contacts[0] if contacts else ContactSet("all contacts", every, len(every))

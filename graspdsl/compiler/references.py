@@ -8,7 +8,7 @@ from typing import Protocol
 from graspdsl.basis.potentials import Potential
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
-from graspdsl.basis.spaces import DISPLACES, TaskSpace
+from graspdsl.basis.spaces import DISPLACES, GradientSpace, TaskSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.graph import ControllerGraph, ControllerReference, Reference, SensorReference, VectorReference
 from graspdsl.diagnostics import Diagnostic, Span, known_names_hint, listed
@@ -28,6 +28,10 @@ class ExpressionCheck(Protocol):
         """The graph of an expression; None after a complaint."""
         ...
 
+    def space(self, tree: syntax.Expression) -> GradientSpace | None:
+        """The gradient space of an expression, as far as it is known."""
+        ...
+
     def sensor(self, name: syntax.Name) -> Sensor | None:
         """The sensor transform of a name."""
         ...
@@ -44,9 +48,9 @@ class ReferenceCheck:
         self._checker, self._complaints, self._parameters = checker, checker.complaints, parameters
 
     def reference(
-        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet, span: Span
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet | None, span: Span
     ) -> tuple[bool, Reference | None]:
-        """Whether the reference is sound, and what it is."""
+        """Whether the reference is sound, and what it is; over resources of which nothing is known it has no size."""
         if not potential.references:
             if tree is None:
                 return True, None
@@ -62,8 +66,23 @@ class ReferenceCheck:
         found = self._found(tree, potential, resources, span)
         return found is not None, found
 
+    def names(self, tree: syntax.Reference | None) -> None:
+        """Complain about the names in a reference of which nothing else is known."""
+        match tree:
+            case None | syntax.Vector():
+                pass
+            case syntax.Name():
+                self._parameter(tree)
+            case syntax.ScaledSensor(factor, sensor):
+                if isinstance(factor, syntax.Name):
+                    self._parameter(factor)
+                known = self._checker.sensor(sensor.name)
+                self._checker.sensed(sensor.resources, known is not None and known.over_joints)
+            case _:
+                self._checker.expression(tree)
+
     def _found(
-        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet, span: Span
+        self, tree: syntax.Reference | None, potential: Potential, resources: ContactSet | JointSet | None, span: Span
     ) -> Reference | None:
         match tree:
             case None:
@@ -100,8 +119,15 @@ class ReferenceCheck:
         return values
 
     def _vector(
-        self, values: tuple[float, ...], label: str, potential: Potential, resources: ContactSet | JointSet, span: Span
+        self,
+        values: tuple[float, ...],
+        label: str,
+        potential: Potential,
+        resources: ContactSet | JointSet | None,
+        span: Span,
     ) -> VectorReference | None:
+        if resources is None:
+            return None
         wanted = resources.size
         if len(values) != wanted:
             joints = isinstance(resources, JointSet)
@@ -118,7 +144,7 @@ class ReferenceCheck:
         return VectorReference(label, values)
 
     def _scaled(
-        self, tree: syntax.ScaledSensor, potential: Potential, resources: ContactSet | JointSet
+        self, tree: syntax.ScaledSensor, potential: Potential, resources: ContactSet | JointSet | None
     ) -> SensorReference | None:
         factor: float | None = 1.0
         if isinstance(tree.factor, syntax.Name):
@@ -136,7 +162,7 @@ class ReferenceCheck:
         sensor = self._checker.sensor(tree.sensor.name)
         over_joints = sensor is not None and sensor.over_joints
         set_of_reference = self._checker.sensed(tree.sensor.resources, over_joints)
-        if sensor is None or set_of_reference is None or factor is None:
+        if sensor is None:
             return None
         if sensor.symbol not in potential.references:
             self._complaints.error(
@@ -147,8 +173,10 @@ class ReferenceCheck:
                 f"use {listed(potential.references, 'or')}",
             )
             return None
-        if sensor.space is TaskSpace.NORMAL and not 0.0 <= factor <= LARGEST_FORCE:
+        if sensor.space is TaskSpace.NORMAL and factor is not None and not 0.0 <= factor <= LARGEST_FORCE:
             self._pressed(tree, factor)
+            return None
+        if set_of_reference is None or resources is None or factor is None:
             return None
         if sensor.space is TaskSpace.ORIENTATION and _has_gravity(set_of_reference):
             self._complaints.error("gravity-not-sensed", "γ_g has no orientation", tree.span, "leave γ_g out")
@@ -163,7 +191,8 @@ class ReferenceCheck:
             return None
         if set_of_reference.same_as(resources):
             set_of_reference = resources  # in the order of the sensor's rows
-        return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference)
+        parameter = tree.factor.text if isinstance(tree.factor, syntax.Name) else ""
+        return SensorReference(to_unicode_scaled(tree), factor, SENSORS[sensor.symbol], set_of_reference, parameter)
 
     def _within(self, values: tuple[float, ...], span: Span) -> bool:
         """Whether numbers that a formula gives are no larger than those of parameters may be."""
@@ -184,11 +213,8 @@ class ReferenceCheck:
             self._complaints.add(complaint)
 
     def _controller(self, tree: syntax.Expression, potential: Potential) -> ControllerReference | None:
-        graph = self._checker.expression(tree)
-        if graph is None:
-            return None
-        space = graph.gradient_space
-        if DISPLACES.get(space) is not potential.space:
+        graph, space = self._checker.expression(tree), self._checker.space(tree)
+        if space is not None and DISPLACES.get(space) is not potential.space:
             fitting = [gradient.about for gradient, task in DISPLACES.items() if task is potential.space]
             self._complaints.error(
                 "wrong-reference",
@@ -200,7 +226,7 @@ class ReferenceCheck:
                 else "no controller makes such a reference",
             )
             return None
-        return ControllerReference(graph)
+        return None if graph is None else ControllerReference(graph)
 
 
 def to_unicode_vector(values: tuple[float, ...]) -> str:

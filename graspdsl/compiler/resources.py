@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
@@ -40,13 +41,14 @@ class ResourceTable:
     """The resources that a spec declares over a robot's contacts.
 
     Each declaration is resolved once and its faults are reported there; what is made of a faulty one, or of one that
-    is ``unread``, is passed over in silence. ``other_hand`` is the way out of a contact that the hand has not.
+    is ``unread``, is passed over in silence, and so is what only a robot could tell where there is none.
+    ``other_hand`` is the way out of a contact that the hand has not.
     """
 
     def __init__(
         self,
         entries: Sequence[Entry],
-        robot: Robot,
+        robot: Robot | None,
         complaints: Complaints,
         *,
         senses_gravity: bool,
@@ -54,6 +56,8 @@ class ResourceTable:
         other_hand: str | None = None,
     ) -> None:
         self._robot, self._complaints, self._senses_gravity = robot, complaints, senses_gravity
+        self._contacts = robot.contacts if robot else ()
+        self._joint_sets = robot.joint_sets if robot else {}
         self._other_hand = other_hand
         self._declared: dict[str, _Declared] = {}
         self._meant: dict[str, _Meant | None] = dict.fromkeys(unread)
@@ -82,10 +86,9 @@ class ResourceTable:
                 self._declared[name] = _Declared(meaning, whole(entry.value), entry.path)
 
     def _meaning(self, entry: Entry) -> int | JointSet | Resources | None:
-        contacts = self._robot.contacts
-        if entry.value.text in contacts:
-            return contacts.index(entry.value.text)
-        if entry.value.text in self._robot.joint_sets:
+        if entry.value.text in self._contacts:
+            return self._contacts.index(entry.value.text)
+        if entry.value.text in self._joint_sets:
             return self._joint_set(entry.value.text)
         if entry.value.text.lstrip()[:1] in {"{", "<", "⟨", "〈"} or canonical(entry.value.text)[:1] in {"γ", "Γ"}:
             try:
@@ -93,18 +96,27 @@ class ResourceTable:
             except DiagnosticError as error:
                 self._complaints.take(error)
                 return None
+        if self._robot is None:
+            return None
         self._complaints.error(
             "unknown-contact",
             f"the hand {self._robot.hand.hand} has no contact and no joint set {entry.value.text!r}",
             whole(entry.value),
             self._other_hand
-            or known_names_hint(entry.value.text, [*contacts, *self._robot.joint_sets], "contacts and joint sets"),
+            or known_names_hint(entry.value.text, [*self._contacts, *self._joint_sets], "contacts and joint sets"),
         )
         return None
 
     def _joint_set(self, name: str) -> JointSet:
-        order = list(self._robot.joints)
-        return JointSet(name, tuple(order.index(joint) for joint in self._robot.joint_sets[name]), len(order))
+        order = list(self._robot.joints if self._robot else ())
+        return JointSet(name, tuple(order.index(joint) for joint in self._joint_sets[name]), len(order))
+
+    def with_unknown(self, names: Collection[str]) -> ResourceTable:
+        """This table with names of which nothing is known, as are the parameters of a definition."""
+        table = copy(self)
+        table._meant = {**self._meant, **dict.fromkeys(names)}
+        table._declared = {name: declared for name, declared in self._declared.items() if name not in names}
+        return table
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -119,7 +131,7 @@ class ResourceTable:
         if meant.joints is not None:
             self._not_contacts(tree)
             return None
-        return ContactSet(to_unicode(tree), meant.members, len(self._robot.contacts))
+        return ContactSet(to_unicode(tree), meant.members, len(self._contacts))
 
     def _not_contacts(self, tree: Resources) -> None:
         self._complaints.error(
@@ -134,7 +146,7 @@ class ResourceTable:
         meant = self._meaning_of(tree)
         if meant is None:
             return None
-        return meant.joints or ContactSet(to_unicode(tree), meant.members, len(self._robot.contacts))
+        return meant.joints or ContactSet(to_unicode(tree), meant.members, len(self._contacts))
 
     def resolve_joints(self, tree: Resources) -> JointSet | None:
         """The set of joints that a resource expression means; None after a complaint."""
@@ -146,7 +158,7 @@ class ResourceTable:
                 "not-joints",
                 f"{to_unicode(tree)} is a set of contacts; joints are needed here",
                 tree.span,
-                f"declare a joint set, Γ_k: flexion; known joint sets: {', '.join(self._robot.joint_sets)}",
+                f"declare a joint set, Γ_k: flexion; known joint sets: {', '.join(self._joint_sets)}",
             )
             return None
         return JointSet(to_unicode(tree), meant.joints.joints, meant.joints.count)
@@ -188,9 +200,9 @@ class ResourceTable:
         """Warn of a contact in two members of a set: its force would be set against itself."""
         owners: dict[int, str] = {}
         for tree, member in zip(trees, members, strict=True):
-            for contact in [contact for contact, _ in member.weights if contact < len(self._robot.contacts)]:
+            for contact in [contact for contact, _ in member.weights if contact < len(self._contacts)]:
                 if contact in owners:
-                    name = self._robot.contacts[contact]
+                    name = self._contacts[contact]
                     self._complaints.warning(
                         "contact-twice",
                         f"{name} is in {owners[contact]} and in {member.label}: it opposes itself",
@@ -205,8 +217,10 @@ class ResourceTable:
         if name.text in self._meant:
             return self._meant[name.text]
         declared = self._declared.get(name.text)
-        if declared is None and name.text in self._robot.joint_sets:
+        if declared is None and name.text in self._joint_sets:
             return _Meant((), is_set=True, joints=self._joint_set(name.text))
+        if declared is None and self._robot is None and name.text[:1] not in {"γ", "Γ"}:
+            return None  # it may be a joint set of the hand that is not known
         if declared is None:
             self._complaints.error(
                 "unknown-resource",
@@ -230,15 +244,16 @@ class ResourceTable:
         return self._meant[name.text]
 
     def _gravity(self, name: Name) -> _Meant | None:
-        if self._senses_gravity:
-            return _Meant((ContactResource(GRAVITY, ((len(self._robot.contacts), 1.0),)),), is_set=False)
-        self._complaints.error(
-            "gravity-not-sensed",
-            "γ_g has no place here: the centre of mass is known only of an object that is held",
-            name.span,
-            "add 'held: true' to the object, or leave γ_g out",
-        )
-        return None
+        if not self._senses_gravity:
+            self._complaints.error(
+                "gravity-not-sensed",
+                "γ_g has no place here: the centre of mass is known only of an object that is held",
+                name.span,
+                "add 'held: true' to the object, or leave γ_g out",
+            )
+        if self._robot is None or not self._senses_gravity:
+            return None
+        return _Meant((ContactResource(GRAVITY, ((len(self._contacts), 1.0),)),), is_set=False)
 
     def _declared_as(self, name: str, meaning: int | JointSet | Resources) -> _Meant | None:
         if isinstance(meaning, JointSet):
@@ -302,7 +317,7 @@ class ResourceTable:
         for member in members:
             for contact, weight in member.weights:
                 if contact in shares:
-                    name = [*self._robot.contacts, GRAVITY][contact]
+                    name = [*self._contacts, GRAVITY][contact]
                     self._complaints.error(
                         "repeated-member", f"{name} is in the virtual contact twice", tree.span, "name it once"
                     )

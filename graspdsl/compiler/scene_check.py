@@ -46,18 +46,6 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
             complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
 
 
-def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Warn of several trials that are asked for and in which nothing differs; where contacts float, they do."""
-    path: Path = ("trials", "count")
-    trials, asked = spec.trials, _value(document, path) is not None
-    differ = WORLDS[spec.scene.world].floats or trials.grid is not None or not trials.start.is_fixed
-    if asked and trials.count > 1 and not differ and spec.scene.sensor.is_perfect:
-        complaints.about(path)
-        message = f"nothing is drawn at random: all {trials.count} trials are equal"
-        hint = "write count: 1, or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
-        complaints.warning("equal-trials", message, document.key_span(path), hint)
-
-
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
     world = WORLDS.get(scene.world.text)

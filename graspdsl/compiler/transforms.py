@@ -120,7 +120,7 @@ class Transforms:
                 return build.constant("D", "joint weights", np.array(self._target.robot.weights))
             case "curvature_radius":
                 radius = np.array(self._control.curvature_radius)
-                return build.constant("r", "radius of the model sphere [m]", radius)
+                return build.constant("r", f"radius of the model sphere, {radius:g} m", radius)
             case "frames":
                 frames = spherical_frames if self._control.surface == "spherical" else tangent_frames
                 return build.apply("(r̂_θ r̂_φ)", "frames of the tangent planes", frames, self.read("normals"))

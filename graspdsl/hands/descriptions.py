@@ -122,6 +122,11 @@ class Robot(Model):
     hand_model: str = ""
 
     @property
+    def has_model(self) -> bool:
+        """Whether the hand is more than bare contacts."""
+        return bool(self.hand_model or self.hand.urdf)
+
+    @property
     def models(self) -> tuple[str, ...]:
         """The texts of the URDFs of mount and hand; a hand of bare contacts has none."""
         hand = self.hand_model or (_model(self.hand.urdf) if self.hand.urdf else "")

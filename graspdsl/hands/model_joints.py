@@ -16,6 +16,7 @@ from graspdsl.hands.urdf_rules import CONTINUOUS, CONTINUOUS_JOINT, FIXED, FIXED
 from graspdsl.spec.wording import shortened
 
 UNSTATED_EFFORT = 50.0  # N or N m: the most that drives a joint whose model says nothing of it
+MOST_TURN = 6.3  # rad, a turn to either side
 NO_LIMITS = {"lower": "0", "upper": "-1"}  # the engine holds a joint at limits of 0 to 0
 
 
@@ -68,6 +69,11 @@ def checked_joint(name: str, joint: TreeJoint, check: UrdfCheck) -> CheckedJoint
             limits = None
             for limit in made.findall("limit"):
                 limit.attrib.update(NO_LIMITS)
+        elif joint.kind in ROTATING and limits is not None and max(map(abs, limits)) > MOST_TURN:
+            low, high = limits
+            message = f"the joint {name} turns from {low:g} to {high:g} rad, beyond a whole turn"
+            degrees = f"if they are degrees, write lower={np.radians(low):.4g} upper={np.radians(high):.4g}"
+            check.warn(joint.element, "beyond-a-turn", message, f"limits are in radians; {degrees}")
         elif limits is not None and limits[0] == limits[1]:
             kind, made = FIXED, _locked(made, limits[0])
     return CheckedJoint(ModelJoint(kind, joint.parent, joint.child, limits, mimic), joint.element, made)

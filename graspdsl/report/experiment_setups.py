@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from graspdsl.compiler.graph import controllers_in
-from graspdsl.compiler.program import CheckedPhase, Program
+from graspdsl.compiler.phase import CheckedPhase
+from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import listed
 
 Resources = frozenset[frozenset[str]]

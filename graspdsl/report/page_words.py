@@ -9,7 +9,7 @@ from typing import Any
 
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import wilson
-from graspdsl.report.wording import counted, feasible, percent, percents
+from graspdsl.report.wording import counted, feasible, percent, percents, repetition
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -39,6 +39,8 @@ def notes(evidence: Evidence, numbers: Numbers) -> list[str]:
     said = []
     if finished < asked:
         said.append(f"Only {finished} of {counted(asked, 'trial', 'trials')} are finished.")
+    if repeated := repetition(numbers["trials"]):
+        said.append(repeated)
     if 0 < infeasible < finished:
         able = finished - infeasible
         said.append(

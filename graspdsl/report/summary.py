@@ -34,7 +34,8 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
     all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
     of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether the hand felt
     all contacts at any time (start) and whether all truly touched at the last tick (end, None where the trajectory is
-    lost). Shares carry 95 % Wilson intervals.
+    lost). Shares carry 95 % Wilson intervals, which take trials as independent: ``different`` is how many of them can
+    differ from one another, the others repeat them.
     """
     folder, records = evidence.folder, evidence.records
     manifest, spec = folder.manifest, evidence.program.spec
@@ -46,7 +47,11 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
         "name": manifest.name,
         "run": str(folder.path),
         "seed": manifest.seed,
-        "trials": {"asked": manifest.asked, "finished": len(records)},
+        "trials": {
+            "asked": manifest.asked,
+            "finished": len(records),
+            "different": int(min(len(records), spec.different_trials)),
+        },
         "outcomes": dict(Counter(record.outcome.value for record in records).most_common()),
         "converged": {
             "share": _share(converged, len(records)),

@@ -47,6 +47,16 @@ def feasible(starts: Mapping[str, Any]) -> str:
     return f"of feasible starts only: {draws - kept} of {counted(draws, 'draw', 'draws')} could not be taken up"
 
 
+def repetition(trials: Mapping[str, int]) -> str | None:
+    """What trials that repeat others mean for the intervals; None where all may differ."""
+    finished, different = trials["finished"], trials["different"]
+    if different == finished:
+        return None
+    if different == 1:
+        return f"Nothing differs between these {finished} trials: they count as one, and the intervals say nothing."
+    return f"Only {different} of these {finished} trials can differ: intervals take the others, repeats, as trials too."
+
+
 def conditions(means: Mapping[str, Any]) -> str:
     """What the end conditions of a phase ask for, in words."""
     said = []

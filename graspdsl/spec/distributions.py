@@ -79,6 +79,18 @@ def numbers_of(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
     return value.choice if isinstance(value, Choice) else (value,)
 
 
+def outcomes_of(value: float | Uniform | Normal | Choice) -> float:
+    """How many different numbers can be drawn: inf from a continuous distribution."""
+    match value:
+        case Uniform(uniform=(low, high)) if low < high:
+            return math.inf
+        case Normal(normal=(_, spread)) if spread > 0.0:
+            return math.inf
+        case Choice(choice=values):
+            return len(set(values))
+    return 1
+
+
 def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
     def check(value: float | Uniform | Normal | Choice) -> float | Uniform | Normal | Choice:
         for number in numbers_of(value):

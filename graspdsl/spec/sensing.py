@@ -51,6 +51,11 @@ class TactileSensor(Model):
         return True
 
     @property
+    def is_random(self) -> bool:
+        """Whether what is sensed differs from trial to trial where nothing else does."""
+        return False
+
+    @property
     def tare_time(self) -> float:
         """How long [s] the hand rests at the start of a trial while the sensor's zero is taken."""
         return 0.0
@@ -93,6 +98,11 @@ class SampledSensor(TactileSensor):
     def is_perfect(self) -> bool:
         """Whether a sample is the true value, however late it comes."""
         return not any(getattr(self, name) for name in self.flaws)
+
+    @property
+    def is_random(self) -> bool:
+        """Whether it has noise, a bias or a drift; rounding alone is the same each time."""
+        return any(getattr(self, name) for name in self.flaws if not name.endswith("_quantum"))
 
     @property
     def sampling_rate(self) -> float | None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Collection
 from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length
+from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length, outcomes_of
 from graspdsl.spec.fields import Count, Model, Number, fault
 
 MOST_TRIALS = 100_000
+PARAMETERS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
 FARTHEST = 10.0  # m or rad, wider than any bound of a start
 
 End = Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -37,9 +39,14 @@ class Start(Model):
 
     @property
     def is_fixed(self) -> bool:
-        """Whether every draw is the same: all numbers are given."""
-        places = (self.roll, self.height, self.standoff, self.yaw, self.offset, self.tilt, *self.posture.values())
-        return all(isinstance(place, int | float) for place in places)
+        """Whether every draw is the same."""
+        return self.outcomes() == 1
+
+    def outcomes(self, given: Collection[str] = ()) -> float:
+        """How many different starts can be drawn, inf for any number, where some parameters are given."""
+        idle = {*given, *(("height",) if self.approach == "top" else ())}
+        places = {name: getattr(self, name) for name in PARAMETERS if name not in idle}
+        return math.prod(map(outcomes_of, (*places.values(), *self.posture.values())))
 
 
 class GridAxis(Model):
@@ -94,6 +101,12 @@ class Trials(Model):
         if cells > MOST_TRIALS:
             raise fault("out-of-range", f"a grid has at most {MOST_TRIALS} cells, this one {cells}", "use fewer cells")
         return self
+
+    @property
+    def different(self) -> float:
+        """How many trials can differ by their starts, inf for any number."""
+        axes = self.grid or ()
+        return math.prod(axis.cells for axis in axes) * self.start.outcomes([axis.parameter for axis in axes])
 
     def start_of(self, number: int) -> Start:
         """What the start of a trial is drawn from: on a grid, with the numbers of its cell in their places."""

@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from graspdsl.compiler.program import CheckedPhase, Program
+from graspdsl.compiler.phase import CheckedPhase
+from graspdsl.compiler.program import Program
 from graspdsl.quality.metric import CRASHED, NO_CONTACTS
 from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.identity import identity

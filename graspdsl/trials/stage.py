@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from graspdsl.compiler.graph import ControllerGraph, controllers_in
+from graspdsl.compiler.phase import CONDITIONS, CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Tick
-from graspdsl.compiler.program import CONDITIONS, CheckedPhase
 from graspdsl.spec.program import Until
 from graspdsl.trials.end_conditions import is_low, unmet
 from graspdsl.trials.logbook import Logbook

@@ -40,6 +40,21 @@ def test_controllers_are_listed_with_equation_and_use(tmp_path: Path) -> None:
     assert all(entry["equation"] and entry["use it"] and entry["stands for"] for entry in listed)
 
 
+def test_a_specs_own_controllers_are_listed_and_explained(tmp_path: Path) -> None:
+    """With the equation and the words that the spec gives them, beside the prelude's."""
+    text = (SPECS / "sliding.yaml").read_text("utf-8")
+    own = 'controllers:\n  π_mine|Γ Γ: {is: π_sgx|Γ Γ, equation: "7.1", about: my own way}\n\nprogram:'
+    text = text.replace("program:", own).replace("π_s|Γ Γ (π_gx|Γ Γ)", "π_mine|Γ Γ")
+    (tmp_path / "own.yaml").write_text(text, encoding="utf-8")
+    listed = json.loads(graspdsl("list", "controllers", "own.yaml", "--json", cwd=tmp_path).stdout)["controllers"]
+    mine = {"controller": "π_mine|Γ Γ", "equation": "7.1", "stands for": "π_sgx|Γ Γ", "use it": "my own way"}
+    assert [entry for entry in listed if entry["controller"] == "π_mine|Γ Γ"] == [mine]
+    assert len(listed) == len(prelude()) + 1
+    assert "π_mine|Γ Γ ≡ π_sgx|Γ Γ  (Eq. 7.1) my own way" in graspdsl("explain", "own.yaml", cwd=tmp_path).stdout
+    assert graspdsl("list", "hands", "own.yaml", cwd=tmp_path).returncode == 2
+    assert graspdsl("list", "controllers", "other.yaml", cwd=tmp_path).returncode == 1
+
+
 def test_an_unknown_kind_is_wrong_use(tmp_path: Path) -> None:
     """Exit code 2 names the kinds there are."""
     done = graspdsl("list", "robots", cwd=tmp_path)

@@ -263,6 +263,47 @@ PROGRAM = (
     _formula("a formula that cannot be read", "π_close|Γ"),
 )
 SENSED = spec(scene=f"{TOWEL_ROLL}, sensing: load-cell")
+GRID = "count: 3, grid: [{parameter: roll, low: -1.0, high: 1.0, cells: 4}]"
+MONITORS = "palm: 30, lost: 100, dragged: 0.2, progress: {window: 16}"
+REVERSED = "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_n(Γ)) ◁ φ_p|τ_p(Γ) σ_p(Γ) (π_gx|Γ Γ)"
+EFFECTS = (
+    Case("a net force that is always low enough", spec(until="force_residual: 3.0")),
+    _floating("a net force that is never low enough", "π_gx|γ1 γ1", until="force_residual: 0.1"),
+    Case("a moment that is always low enough", spec(until="moment_residual: 0.4")),
+    Case("a force that is always near enough", spec("π_close|Γ Γ", until="force_error: 0.6")),
+    Case("a force that probing does not control", spec(control="displacement: probing", until="force_error: 0.1")),
+    Case("conditions that must hold longer than the phase lasts", spec(until="contact: all, hold: 31")),
+    _floating("conditions of two stages that must hold", "π_cstar|Γ Γ", until="force_residual: 0.1, hold: 16"),
+    Case("a limit of less than a tick", spec().replace("    until", "    limit: 0.01\n    until")),
+    Case("hysteresis of one stage", spec().replace("    until", "    hysteresis: 2\n    until")),
+    Case("position before the force that presses", spec(REVERSED)),
+    Case("position before the force, in the null space of its task", spec(REVERSED, control="nullspace: task")),
+    Case("posture before the force that presses", spec("π_close|Γ Γ ◁ φ_k|τ_k(all) σ_k(flexion)")),
+    Case("a controller before itself", spec("π_close|Γ Γ ◁ π_close|Γ Γ")),
+    Case(
+        "a posture of all joints before a part of it",
+        spec("φ_k|τ_k(all) σ_k(flexion) ◁ φ_k|τ_k(all) σ_k(all)", control="nullspace: task"),
+    ),
+    Case("a force beyond what the joints can press", spec("π_close|Γ Γ", parameters="κ_f: 50")),
+    Case("such a force in a formula", spec("φ_f|τ_f(γ1) σ_f(γ1) (0, 0, 30)")),
+    Case("a force under which a touch ends", spec("π_close|Γ Γ", parameters="κ_f: 0.02")),
+    Case("damping beyond what it damps", spec(control="damping: 5")),
+    Case("settings that no controller uses", spec("π_close|Γ Γ", control="damping: 1, moment_gain: 2, origin: world")),
+    Case("a damping that transposes have not", spec(control="inverse: transpose, damping: 0.1")),
+    Case("gains of zero", spec(control="moment_gain: 0, admittance: 0")),
+    _floating("probing of what floats", control="displacement: probing"),
+    _floating("a mount and a mass of what floats", scene="mount: wam, object: {like: ball, mass: 2}"),
+    Case("a mass of what stays", spec(scene="world: bullet, object: {like: ball, fixed: true, mass: 2}")),
+    Case(
+        "an edge where nothing floats",
+        spec(scene="world: bullet, object: {cylinder: {diameter: 0.1, height: 0.2, edge: 0.01}}"),
+    ),
+    Case("monitors that no trial is long enough for", spec(until="force_residual: 0.1", monitors=MONITORS)),
+    Case("progress that nothing waits for", spec(monitors="progress: {window: 3}")),
+    Case("a number that looks octal", spec().replace("program:", "trials: {count: 1, seed: 010}\nprogram:")),
+    Case("a number that looks octal on the command line", spec(), ("trials.seed=0017",)),
+    Case("cells that no trial begins in", spec().replace("program:", f"trials: {{{GRID}}}\nprogram:")),
+)
 OVERRIDES = (
     Case("a formula on the command line", spec(), ("program.0.run=π_close|Γ γ9",)),
     Case("a resource on the command line", spec(), ('resources.Γ="{γ1, <γ2, γ9>}"',)),
@@ -304,6 +345,7 @@ CASES = (
     *SECTIONS,
     *DEFINITIONS,
     *PROGRAM,
+    *EFFECTS,
     *OVERRIDES,
     *SEVERAL,
 )

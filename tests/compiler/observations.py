@@ -11,11 +11,11 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
-from graspdsl.compiler.program import default_target, examine_expression
+from graspdsl.compiler.program import examine_expression, program_of_expression
 from graspdsl.spec.program import Control
 from graspdsl.worlds.protocol import Observation
 
-TARGET = default_target()
+TARGET = program_of_expression("π_close|Γ Γ").target
 ROBOT = TARGET.robot
 CONTACTS, JOINTS = len(ROBOT.contacts), len(ROBOT.joints)
 THUMB, FIRST, SECOND = (ROBOT.contacts.index(name) for name in ("finger-3", "finger-1", "finger-2"))

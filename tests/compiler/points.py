@@ -13,13 +13,14 @@ from graspdsl.compiler.declarations import Entry
 from graspdsl.compiler.definitions import prelude
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
-from graspdsl.compiler.program import default_target
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.diagnostics import DiagnosticError, SourceText
 from graspdsl.hands.descriptions import robot
 from graspdsl.notation.parser import parse_expression, parse_resources
 from graspdsl.spec.program import Control
 from graspdsl.worlds.protocol import Observation
+
+from .observations import TARGET
 
 POINTS = robot("points", "gantry")
 COUNT, JOINTS = len(POINTS.contacts), len(POINTS.joints)
@@ -40,7 +41,7 @@ def over_points(formula: str, **control: Any) -> Pipeline:
     (stage,) = stages
     grasp = table.resolve(parse_resources(SourceText.of(GRASP)))
     assert grasp is not None
-    target = replace(default_target(), robot=POINTS, control=Control(**control))
+    target = replace(TARGET, robot=POINTS, control=Control(**control))
     return compile_controller(stage, grasp, target)
 
 

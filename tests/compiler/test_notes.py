@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from graspdsl.compiler.explain import explained
-from graspdsl.compiler.program import default_target, examine_expression, program_of
+from graspdsl.compiler.program import examine_expression, program_of
+
+from .observations import TARGET
 
 PLAIN = "{γ1, γ2, γ3}"
 
@@ -16,7 +18,7 @@ PLAIN = "{γ1, γ2, γ3}"
 def test_a_plain_sum_is_said_to_be_one(formula: str) -> None:
     """All contacts controlled, equal weights: ◁ takes nothing away there, also inside a reference."""
     phase, _ = examine_expression(formula)
-    explanation = explained(phase, default_target())
+    explanation = explained(phase, TARGET)
     [note] = explanation.notes()
     assert note.startswith(f"◁ is a plain sum in φ_mr|τ_mrx({PLAIN}) σ_mr({PLAIN}) ◁ φ_fr|τ_frx({PLAIN}) σ_fr({PLAIN})")
     assert note in explanation.text()
@@ -27,7 +29,7 @@ def test_a_plain_sum_is_said_to_be_one(formula: str) -> None:
 def test_where_projection_acts_nothing_is_said(formula: str) -> None:
     """A virtual contact, fewer contacts moved than sensed, gravity, or no ◁ of residuals."""
     phase, _ = examine_expression(formula)
-    assert explained(phase, default_target()).notes() == []
+    assert explained(phase, TARGET).notes() == []
 
 
 def test_one_word_turns_sliding_into_probing() -> None:

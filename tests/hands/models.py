@@ -54,7 +54,7 @@ scene: {world: bullet, hand: hand.yaml, object: towel-roll, sensing: exact}
 resources: {γ1: pad, γ2: thumb, Γ: "{γ1, γ2}"}
 parameters: {κ_f: 0.5}
 program:
-  - {run: π_close|Γ Γ, until: {contact: all, hold: 0.2}, limit: 0.1}
+  - {run: π_close|Γ Γ, until: {contact: all, hold: 0.1}, limit: 0.1}
 trials: {count: 1}
 """
 

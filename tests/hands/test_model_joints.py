@@ -183,6 +183,16 @@ def test_friction_of_joints_has_no_effect_and_is_one_warning(tmp_path: Path) -> 
     assert _course(damped, tmp_path)[-1] < course[-1]
 
 
+def test_limits_in_degrees_are_a_warning(tmp_path: Path) -> None:
+    limits = 'lower="-0.5" upper="1" effort="1" velocity="2"/></joint>\n  <link name="tip">'
+    for wide, count in (('lower="-6.283186" upper="6.283186"', 0), ('lower="-63" upper="80"', 1)):
+        write(tmp_path, changed(URDF, (limits, limits.replace('lower="-0.5" upper="1"', wide))), HAND)
+        warnings = hand_in(SpecFolder(tmp_path), "hand.yaml").warnings
+        assert [warning.code for warning in warnings] == ["beyond-a-turn"] * count
+    assert "bend turns from -63 to 80 rad" in warnings[0].message
+    assert "lower=-1.1 upper=1.396" in (warnings[0].hint or "")
+
+
 @pytest.mark.parametrize("kind", ["floating", "planar"])
 def test_kinds_of_joints_above_the_root_are_nothing_to_the_hand(kind: str, tmp_path: Path) -> None:
     above = f'<link name="world"/><joint name="v" type="{kind}"><parent link="world"/><child link="palm"/></joint>'

@@ -13,7 +13,10 @@ import pytest
 from trials.whole import whole_rows
 
 from graspdsl.arrays import Float32Array
-from graspdsl.report.summary import repeating, summary
+from graspdsl.cli.tables import summary_text
+from graspdsl.report.evidence import gathered
+from graspdsl.report.page_words import notes
+from graspdsl.report.summary import numbers_of, repeating, summary
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
@@ -65,7 +68,7 @@ def build(tmp_path: Path) -> Build:
 
 def test_a_run_without_trials(build: Build) -> None:
     numbers = summary(build())
-    assert json.loads(json.dumps(numbers, allow_nan=False))["trials"] == {"asked": 5, "finished": 0}
+    assert json.loads(json.dumps(numbers, allow_nan=False))["trials"] == {"asked": 5, "finished": 0, "different": 0}
     assert (numbers["outcomes"], numbers["modes"], numbers["records"]) == ({}, [], [])
     assert numbers["converged"]["share"] is None
     assert numbers["residuals"]["force"] == {
@@ -119,6 +122,26 @@ def test_ticks_and_forces_are_of_converged_trials(build: Build) -> None:
     assert numbers["ticks_to_converge"] == {"median": 50.0, "p90": 90.0}
     assert numbers["contact_force"] == {"median": 0.45, "least": 0.4, "largest": 0.5}
     assert numbers["converged"]["share"] == 11 / 12
+
+
+@pytest.mark.parametrize(
+    ("start", "different", "said"),
+    [
+        ("{roll: 0.3}", 1, "Nothing differs between these 4 trials"),
+        ("{roll: {choice: [0.1, 0.2]}}", 2, "Only 2 of these 4 trials can differ"),
+        ("{roll: {uniform: [-1, 1]}}", 4, None),
+    ],
+)
+def test_trials_that_repeat_others_are_told_beside_the_share(
+    start: str, different: int, said: str | None, build: Build
+) -> None:
+    """On a terminal and on the page."""
+    folder = build(*(_record(number) for number in range(4)), overrides=(f"trials.start={start}",))
+    evidence = gathered(folder)
+    numbers = numbers_of(evidence)
+    assert numbers["trials"]["different"] == different
+    for text in (" ".join(summary_text(numbers).split()), " ".join(notes(evidence, numbers))):
+        assert said in text if said else "differ" not in text
 
 
 def test_what_converged_means_follows_the_settings(build: Build) -> None:

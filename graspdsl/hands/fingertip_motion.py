@@ -1,0 +1,175 @@
+"""How a robot's joints move its fingertips and what they press with, from its description alone: no simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from operator import attrgetter
+from xml.etree import ElementTree
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross
+from graspdsl.basis.rotations import exponential
+from graspdsl.hands.articulated_inertia import axis_of, pose_of
+from graspdsl.hands.descriptions import Robot, joint_limits
+from graspdsl.hands.urdf_rules import FIXED, ROTATING
+
+POSTURES = 9  # from open to closed
+ARM_POSTURES = 16  # over the ranges of the joints of an arm
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """The force [N] that a fingertip presses with along its closing motion, and the joint that has no more to give:
+    its effort [N·m or N] and the lever [m] of the force about it, or the share (1) of it along a slide."""
+
+    force: float
+    joint: str
+    effort: float
+    lever: float
+    turns: bool
+
+    @property
+    def strength(self) -> str:
+        """What the joint has, in words."""
+        return f"{self.effort:g} N·m at a lever of {1000 * self.lever:.3g} mm" if self.turns else f"{self.effort:g} N"
+
+
+@dataclass(frozen=True, slots=True)
+class _Mover:
+    """A joint on the way to a fingertip: its pose in the frame before it, its unit axis there; its row among all that
+    move, None for a fixed one."""
+
+    name: str
+    place: Array
+    rotation: Array
+    axis: Array
+    turns: bool
+    row: int | None
+
+
+class FingertipMotion:
+    """The Jacobians of a robot's fingertips, by all joints that move, coupled ones too, and by those it drives."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        elements = [joint for model in robot.models for joint in ElementTree.fromstring(model).iter("joint")]
+        moving = [joint for joint in elements if joint.get("type") != FIXED]
+        self._rows = {joint.get("name", ""): row for row, joint in enumerate(moving)}
+        self._turns = [joint.get("type") in ROTATING for joint in moving]
+        limits = [joint.find("limit") for joint in moving]
+        self._efforts = np.array([0.0 if limit is None else float(limit.get("effort", "0")) for limit in limits])
+        order = {name: column for column, name in enumerate(robot.joints)}
+        self._coupling = np.zeros((len(moving), len(order)))
+        for name, row in self._rows.items():
+            coupled = robot.hand.couplings.get(name)
+            self._coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
+        self._chains = [list(self._chain(contact.link, elements)) for contact in robot.hand.contacts.values()]
+
+    def _chain(self, link: str, elements: list[ElementTree.Element]) -> Iterator[_Mover]:
+        """The joints from the robot's root to a link."""
+        before = {_end(joint, "child"): joint for joint in elements}
+        path = []
+        while link in before or link == self._robot.hand.root:
+            joint = before.get(link)
+            path += [] if joint is None else [joint]
+            link = self._robot.mount.face if joint is None else _end(joint, "parent")
+        for joint in reversed(path):
+            axis, name = axis_of(joint), joint.get("name", "")
+            turns = joint.get("type") in ROTATING
+            yield _Mover(name, *pose_of(joint), axis / np.linalg.norm(axis), turns, self._rows.get(name))
+
+    def _columns(self, joints: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (k, 3, m) of the fingertips' centres, by all m joints that move."""
+        places = self._coupling @ joints
+        linear = np.zeros((len(self._chains), 3, len(places)))
+        angular = np.zeros_like(linear)
+        for contact, chain, jacobian, turning in zip(
+            self._robot.hand.contacts.values(), self._chains, linear, angular, strict=True
+        ):
+            origin, frame, axes = np.zeros(3), np.eye(3), list[tuple[_Mover, Array, Array]]()
+            for mover in chain:
+                origin, frame = origin + frame @ mover.place, frame @ mover.rotation
+                if mover.row is None:
+                    continue
+                axis, place = frame @ mover.axis, float(places[mover.row])
+                axes.append((mover, origin, axis))
+                if mover.turns:
+                    frame = frame @ exponential(place * mover.axis)
+                else:
+                    origin = origin + place * axis
+            tip = origin + frame @ np.array(contact.shape.centre)
+            for mover, root, axis in axes:
+                jacobian[:, mover.row] = cross(axis, tip - root) if mover.turns else axis
+                turning[:, mover.row] = axis if mover.turns else 0.0
+        return linear, angular
+
+    def jacobians(self, joints: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (k, 3, n) of the fingertips' centres, at joints (n,)."""
+        linear, angular = self._columns(joints)
+        return linear @ self._coupling, angular @ self._coupling
+
+    def _closing(self) -> Iterator[Array]:
+        """Joints (n,) on the way from the open to the closed posture, the mount's at zero."""
+        opened, closed = self._posture("open"), self._posture("closed")
+        yield from (opened + share * (closed - opened) for share in np.linspace(0.0, 1.0, POSTURES))
+
+    def _posture(self, name: str) -> Array:
+        places = self._robot.hand.postures.get(name, {})
+        return np.array([places.get(joint, 0.0) for joint in self._robot.joints])
+
+    def strongest(self) -> tuple[Press | None, ...]:
+        """The strongest press of each fingertip anywhere on its way from the open to the closed posture.
+
+        A force f along the unit direction d in which its finger closes asks each joint for the effort f d·∂x/∂q_j:
+        the first that has no more ends it. None for a finger that does not close, or whose joints have no efforts.
+        """
+        motion = self._posture("closed") - self._posture("open")
+        motions = [
+            np.where(np.isin(list(self._robot.joints), contact.finger), motion, 0.0)
+            for contact in self._robot.hand.contacts.values()
+        ]
+        places = [self._columns(joints)[0] for joints in self._closing()]
+        found = [
+            [self._press(columns[contact], self._coupling @ own) for columns in places]
+            for contact, own in enumerate(motions)
+        ]
+        return tuple(max(filter(None, presses), key=attrgetter("force"), default=None) for presses in found)
+
+    def _press(self, columns: Array, motion: Array) -> Press | None:
+        """The strongest press of a fingertip with these columns (3, m) along what a motion (m,) does to it."""
+        along = columns @ motion
+        length = float(np.linalg.norm(along))
+        levers = np.abs(along @ columns) / length if length > 0.0 else np.zeros_like(motion)
+        able = (levers > 0.0) & (self._efforts > 0.0)
+        forces = np.where(able, self._efforts, np.inf) / np.where(able, levers, 1.0)
+        weakest = int(np.argmin(forces))
+        if not able[weakest]:
+            return None
+        name, turns = list(self._rows)[weakest], bool(self._turns[weakest])
+        return Press(float(forces[weakest]), name, float(self._efforts[weakest]), float(levers[weakest]), turns)
+
+    def largest_singular_value(self, turning: bool, enough: float) -> float:
+        """That of the Jacobian of all fingertips together, linear or of their turning, in scaled joint coordinates.
+
+        The greatest over postures from open to closed and, for an arm, over places spread over the ranges of its
+        joints; or the first that is greater than ``enough``.
+        """
+        robot, largest = self._robot, 0.0
+        weights, mount = np.array(robot.weights), np.isin(list(robot.joints), list(robot.mount.joints))
+        lower, upper = (np.array(limits) for limits in joint_limits(robot))
+        shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
+        for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
+            for hand in self._closing():
+                jacobian = self.jacobians(np.where(mount, arm, hand))[turning] * weights
+                largest = max(largest, float(np.linalg.norm(jacobian.reshape(-1, len(weights)), 2)))
+                if largest > enough:
+                    return largest
+        return largest
+
+
+def _end(joint: ElementTree.Element, tag: str) -> str:
+    end = joint.find(tag)
+    return "" if end is None else end.get("link", "")

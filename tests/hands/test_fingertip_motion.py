@@ -1,0 +1,71 @@
+"""Jacobians and strength of fingertips from descriptions alone, against the engine's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from graspdsl.arrays import Array
+from graspdsl.compiler.program import program_of
+from graspdsl.hands.descriptions import robot
+from graspdsl.hands.fingertip_motion import FingertipMotion
+from graspdsl.trials.setup import trial_loop
+from graspdsl.worlds.bullet.engine import pybullet, silenced
+from graspdsl.worlds.bullet.hand import BulletHand
+
+SPEC = Path(__file__).resolve().parents[2] / "specs" / "chapter" / "close.yaml"
+
+
+@pytest.mark.parametrize("hand", ["barrett", "trio"])
+@pytest.mark.parametrize("mount", ["gantry", "wam"])
+def test_jacobians_are_those_of_the_engine(hand: str, mount: str) -> None:
+    engine, whole = pybullet(), robot(hand, mount)
+    with silenced():
+        client = engine.connect(engine.DIRECT)
+    known = BulletHand(engine, client, whole, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), 0.4)
+    for seed in range(3):
+        joints = np.random.default_rng(seed).uniform(0.1, 0.5, len(whole.joints))
+        known.place(joints)
+        everywhere = known.all_joints()
+        engines = [known.jacobians(tip, tip.centre, everywhere) for tip in known.tips]
+        for turning, found in enumerate(FingertipMotion(whole).jacobians(joints)):
+            np.testing.assert_allclose(found, [pair[turning] for pair in engines], atol=1e-12)
+    engine.disconnect(client)
+
+
+def test_strength_is_effort_over_lever() -> None:
+    """The base joint's 2 N·m of a Barrett finger, at its shortest lever on the way to closed: 85.5 mm."""
+    for press in FingertipMotion(robot("barrett", "gantry")).strongest():
+        assert press is not None
+        assert press.force == pytest.approx(press.effort / press.lever)
+        assert press.joint.startswith("base-")
+        assert press.force == pytest.approx(23.4, abs=0.1)
+
+
+def forces(asked: float) -> Array:
+    """The forces of the fingers at the end of a trial that asks for them, on an object that stays."""
+    overrides = (
+        "scene.object={like: towel-roll, fixed: true}",
+        f"parameters.κ_f={asked}",
+        "trials.start={roll: 0.2, height: 0.1}",
+        "monitors={link: off, palm: off}",
+        "program.0.until.hold=5",
+    )
+    loop = trial_loop(program_of(SPEC.read_text("utf-8"), "close", overrides))
+    return np.array(loop.run(0, 2006).record.contact_forces)
+
+
+def test_no_finger_of_the_engine_presses_with_more() -> None:
+    """Within it what is asked for is reached; beyond it the fingers stall."""
+    np.testing.assert_allclose(forces(10.0), 10.0, rtol=0.01)
+    assert forces(50.0).max() < 23.4
+
+
+@pytest.mark.parametrize("turning", [False, True])
+def test_largest_singular_value_ends_at_what_is_enough(turning: bool) -> None:
+    motion = FingertipMotion(robot("barrett", "gantry"))
+    largest = motion.largest_singular_value(turning, np.inf)
+    assert 0.1 < motion.largest_singular_value(turning, 0.1) <= largest
+    assert largest == pytest.approx(13.8 if turning else 1.58, rel=0.01)
