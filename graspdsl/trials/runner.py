@@ -165,12 +165,16 @@ def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
     try:
         loop = trial_loop(program_of(*recipe))
         while True:
-            number = pipe.recv()
-            pipe.send(loop.run(number, seed, lambda draws, number=number: pipe.send((number, draws))))
+            number: int = pipe.recv()
+            pipe.send(loop.run(number, seed, functools.partial(_tell, pipe, number)))
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
             pipe.send(error)
+
+
+def _tell(pipe: Pipe, number: int, draws: int) -> None:
+    pipe.send((number, draws))
 
 
 def _end_with_parent() -> None:
