@@ -231,13 +231,8 @@ class _Check:
             if force.label in told:
                 continue
             if press is not None and force.size > press.force:
-                of = (
-                    f"{press.effort:g} N·m at a lever of {1000 * press.lever:.3g} mm"
-                    if press.turns
-                    else f"{press.effort:g} N"
-                )
                 message = f"{asks}, more than the {press.force:.3g} N that it can press with as it closes, where "
-                message += f"{press.joint} has {of}"
+                message += f"{press.joint} has {press.strength}"
                 code, hint = "beyond-strength", f"ask for less than {press.force:.2g} N"
             elif force.size <= ends:
                 message = f"{asks}, where a touch ends at {ends:g} N: a contact that presses so does not touch"

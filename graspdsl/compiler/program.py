@@ -110,7 +110,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
         check_effects(spec, check.robot, phases, thing and thing[0], document, complaints)
-        if thing is not None and check.robot.hand.urdf and not WORLDS[spec.scene.world].floats:
+        if thing is not None and check.robot.has_model and not WORLDS[spec.scene.world].floats:
             check_sizes(spec, check.robot, thing[0], document, complaints)
     diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):

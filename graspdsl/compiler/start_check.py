@@ -11,7 +11,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import Robot
-from graspdsl.hands.kinematics import openings_of, reach_of
+from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.facets import convex_parts
 from graspdsl.objects.shapes import Body, Bottle, Box, Compound, Cylinder, Sphere, TriangleMesh
 from graspdsl.objects.standing import fall_of
@@ -72,7 +72,7 @@ class _Sizes:
 
     def _is_too_wide(self) -> bool:
         """Whether no pair of fingertips can be on both sides of the object, or of a part of it."""
-        openings, shape = openings_of(self._robot), self._body.shape
+        openings, shape = FingertipMotion(self._robot).openings(), self._body.shape
         if len(openings) == 0:
             return False
         normals = [rotation[:, 2] for _, rotation in self._poses()]
@@ -104,7 +104,7 @@ class _Sizes:
                 f"a palm that faces the object's side is at most {top:.3g} m high",
             )
             return
-        reach = reach_of(self._robot) - self._robot.hand.palm_surface
+        reach = FingertipMotion(self._robot).reach()
         if standoff > reach:
             self._warn_of_start(
                 "standoff",

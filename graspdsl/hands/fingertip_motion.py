@@ -1,9 +1,10 @@
-"""How a robot's joints move its fingertips and what they press with, from its description alone: no simulator."""
+"""How a robot's joints move its fingertips, how wide they open and what they press with, from its description alone."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 from operator import attrgetter
 from xml.etree import ElementTree
 
@@ -14,9 +15,10 @@ from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
 from graspdsl.hands.articulated_inertia import axis_of, pose_of
 from graspdsl.hands.descriptions import Robot, joint_limits
+from graspdsl.hands.fingertips import EllipsoidTip
 from graspdsl.hands.urdf_rules import FIXED, ROTATING
 
-POSTURES = 9  # from open to closed
+POSTURES, FINE = 9, 40  # from open to closed
 ARM_POSTURES = 16  # over the ranges of the joints of an arm
 
 
@@ -40,7 +42,7 @@ class Press:
 @dataclass(frozen=True, slots=True)
 class _Mover:
     """A joint on the way to a fingertip: its pose in the frame before it, its unit axis there; its row among all that
-    move, None for a fixed one."""
+    move, None for a fixed one; ``carries``: whether it is one of the mount."""
 
     name: str
     place: Array
@@ -48,6 +50,7 @@ class _Mover:
     axis: Array
     turns: bool
     row: int | None
+    carries: bool
 
 
 class FingertipMotion:
@@ -71,15 +74,16 @@ class FingertipMotion:
     def _chain(self, link: str, elements: list[ElementTree.Element]) -> Iterator[_Mover]:
         """The joints from the robot's root to a link."""
         before = {_end(joint, "child"): joint for joint in elements}
-        path = []
+        path, carries = list[tuple[ElementTree.Element, bool]](), False
         while link in before or link == self._robot.hand.root:
             joint = before.get(link)
-            path += [] if joint is None else [joint]
+            path += [] if joint is None else [(joint, carries)]
+            carries = carries or joint is None
             link = self._robot.mount.face if joint is None else _end(joint, "parent")
-        for joint in reversed(path):
+        for joint, carries in reversed(path):
             axis, name = axis_of(joint), joint.get("name", "")
             turns = joint.get("type") in ROTATING
-            yield _Mover(name, *pose_of(joint), axis / np.linalg.norm(axis), turns, self._rows.get(name))
+            yield _Mover(name, *pose_of(joint), axis / np.linalg.norm(axis), turns, self._rows.get(name), carries)
 
     def _columns(self, joints: Array) -> tuple[Array, Array]:
         """Linear and angular Jacobians (k, 3, m) of the fingertips' centres, by all m joints that move."""
@@ -106,15 +110,49 @@ class FingertipMotion:
                 turning[:, mover.row] = axis if mover.turns else 0.0
         return linear, angular
 
+    def centres(self, joints: Array) -> Array:
+        """The fingertips' centres (k, 3) [m] in the frame of the hand's root, at joints (n,)."""
+        places, found = self._coupling @ joints, []
+        for contact, chain in zip(self._robot.hand.contacts.values(), self._chains, strict=True):
+            point = np.array(contact.shape.centre)
+            for mover in reversed([mover for mover in chain if not mover.carries]):
+                moved = 0.0 if mover.row is None else float(places[mover.row])
+                point = exponential(moved * mover.axis) @ point if mover.turns else point + moved * mover.axis
+                point = mover.place + mover.rotation @ point
+            found.append(point)
+        return np.array(found)
+
+    def reach(self) -> float:
+        """The largest distance [m] of a fingertip's surface ahead of the palm's, as the fingers open and close."""
+        ahead = [float((self.centres(joints)[:, 2] + self._radii()).max()) for joints in self._closing(FINE)]
+        return max(ahead) - self._robot.hand.palm_surface
+
+    def openings(self) -> Array:
+        """How wide every two fingertips are apart as the fingers open and close, and how far ahead of the palm.
+
+        (m, 2) [m]: the gap between their surfaces, and the least distance of their centres from the palm's surface.
+        """
+        radii, surface, found = self._radii(), self._robot.hand.palm_surface, []
+        for centres in map(self.centres, self._closing(FINE)):
+            for a, b in combinations(range(len(centres)), 2):
+                gap = float(np.linalg.norm(centres[a] - centres[b])) - radii[a] - radii[b]
+                found.append((gap, float(min(centres[a, 2], centres[b, 2])) - surface))
+        return np.array(found).reshape(-1, 2)
+
+    def _radii(self) -> Array:
+        """How far the surface of each fingertip is from its centre [m], at the least."""
+        shapes = [contact.shape for contact in self._robot.hand.contacts.values()]
+        return np.array([min(shape.semi_axes) if isinstance(shape, EllipsoidTip) else shape.radius for shape in shapes])
+
     def jacobians(self, joints: Array) -> tuple[Array, Array]:
         """Linear and angular Jacobians (k, 3, n) of the fingertips' centres, at joints (n,)."""
         linear, angular = self._columns(joints)
         return linear @ self._coupling, angular @ self._coupling
 
-    def _closing(self) -> Iterator[Array]:
+    def _closing(self, count: int = POSTURES) -> Iterator[Array]:
         """Joints (n,) on the way from the open to the closed posture, the mount's at zero."""
         opened, closed = self._posture("open"), self._posture("closed")
-        yield from (opened + share * (closed - opened) for share in np.linspace(0.0, 1.0, POSTURES))
+        yield from (opened + share * (closed - opened) for share in np.linspace(0.0, 1.0, count))
 
     def _posture(self, name: str) -> Array:
         places = self._robot.hand.postures.get(name, {})

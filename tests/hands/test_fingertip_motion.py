@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,3 +71,27 @@ def test_largest_singular_value_ends_at_what_is_enough(turning: bool) -> None:
     largest = motion.largest_singular_value(turning, np.inf)
     assert 0.1 < motion.largest_singular_value(turning, 0.1) <= largest
     assert largest == pytest.approx(13.8 if turning else 1.58, rel=0.01)
+
+
+FK = json.loads((SPEC.parents[2] / "tests" / "worlds" / "data" / "barrett_fk.json").read_text("utf-8"))["rows"]
+
+
+@pytest.mark.parametrize("mount", ["gantry", "wam"])
+@pytest.mark.parametrize("row", FK)
+def test_fingertips_are_where_published_numbers_have_them(row: dict[str, Any], mount: str) -> None:
+    whole = robot("barrett", mount)
+    places = {"spread-1": row["spread"], **{f"base-{finger}": row["base"] for finger in (1, 2, 3)}}
+    joints = np.array([places.get(name, 0.3) for name in whole.joints])  # wherever the mount stands
+    found = FingertipMotion(whole).centres(joints)[row["finger"] - 1]
+    assert np.linalg.norm(found - row["sphere"]) < 1e-5
+
+
+def test_how_wide_the_hand_opens() -> None:
+    """Antipodal grasps of round objects, of which the widest has 177 mm by published numbers."""
+    motion = FingertipMotion(robot("barrett", "gantry"))
+    gaps = motion.openings()
+    for diameter in (0.065, 0.10, 0.14, 0.16):
+        assert any(gap >= diameter and ahead >= diameter / 2 for gap, ahead in gaps)
+    for diameter in (0.182, 0.25):
+        assert not any(gap >= diameter and ahead >= diameter / 2 for gap, ahead in gaps)
+    assert 0.10 < motion.reach() < 0.16
