@@ -66,7 +66,8 @@ class Errors:
         name, unit = ("Δr", 1.0 / self._target.control.curvature_radius) if turning else ("Δx", 1.0)
         cap = partial(operations.capped, self._target.cap * unit)
         moved = self._build.apply(name, "capped", cap, self._motion(controller))
-        rows = partial(operations.rows_of, self._transforms.mixing(resources))
+        mixing = self._transforms.mixing(resources)
+        rows = partial(operations.rows_of, np.ones((len(mixing), 1)) if turning else mixing)
         return self._build.apply(f"{name}({resources.label})", "by resource", rows, moved)
 
     def _vector(self, node: ControllerNode, resources: ContactSet, name: str, values: Array) -> int:

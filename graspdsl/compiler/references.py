@@ -32,7 +32,7 @@ class ExpressionCheck(Protocol):
         """The sensor transform of a name."""
         ...
 
-    def sensed(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
+    def sensed(self, resources: syntax.Resources, sensor: Sensor | None) -> ContactSet | JointSet | None:
         """The resources of a sensor transform."""
         ...
 
@@ -134,8 +134,7 @@ class ReferenceCheck:
         elif tree.factor is not None:
             factor = tree.factor if self._within((tree.factor,), tree.span) else None
         sensor = self._checker.sensor(tree.sensor.name)
-        over_joints = sensor is not None and sensor.over_joints
-        set_of_reference = self._checker.sensed(tree.sensor.resources, over_joints)
+        set_of_reference = self._checker.sensed(tree.sensor.resources, sensor)
         if sensor is None or set_of_reference is None or factor is None:
             return None
         if sensor.symbol not in potential.references:
@@ -149,9 +148,6 @@ class ReferenceCheck:
             return None
         if sensor.space is TaskSpace.NORMAL and not 0.0 <= factor <= LARGEST_FORCE:
             self._pressed(tree, factor)
-            return None
-        if sensor.space is TaskSpace.ORIENTATION and _has_gravity(set_of_reference):
-            self._complaints.error("gravity-not-sensed", "γ_g has no orientation", tree.span, "leave γ_g out")
             return None
         if _rows(set_of_reference) != _rows(resources):
             self._complaints.error(
@@ -217,10 +213,6 @@ def to_unicode_scaled(tree: syntax.ScaledSensor) -> str:
         case syntax.Name(text):
             return f"{text} {sensor}"
     return f"{tree.factor:g} {sensor}"
-
-
-def _has_gravity(resources: ContactSet | JointSet) -> bool:
-    return isinstance(resources, ContactSet) and resources.has_gravity
 
 
 def _rows(resources: ContactSet | JointSet) -> list[int]:

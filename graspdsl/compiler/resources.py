@@ -52,7 +52,7 @@ class ResourceTable:
         unread: Sequence[str] = (),
         other_hand: str | None = None,
     ) -> None:
-        self._robot, self._complaints, self._senses_gravity = robot, complaints, senses_gravity
+        self._robot, self._complaints, self.senses_gravity = robot, complaints, senses_gravity
         self._other_hand = other_hand
         self._declared: dict[str, _Declared] = {}
         self._meant: dict[str, _Meant | None] = dict.fromkeys(unread)
@@ -228,7 +228,7 @@ class ResourceTable:
         return self._meant[name.text]
 
     def _gravity(self, name: Name) -> _Meant | None:
-        if self._senses_gravity:
+        if self.senses_gravity:
             return _Meant((ContactResource(GRAVITY, ((len(self._robot.contacts), 1.0),)),), is_set=False)
         self._complaints.error(
             "gravity-not-sensed",
