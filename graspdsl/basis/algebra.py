@@ -81,6 +81,19 @@ def damped_pseudo_inverse(damping: float, jacobian: Array) -> Array:
     return np.swapaxes(np.linalg.solve(gram, jacobian), -1, -2)
 
 
+def scaled_transpose(jacobian: Array) -> Array:
+    """Jᵀ / σ², (..., n, m) for J (..., m, n) of largest singular value σ: the transpose in place of J⁺ (Eq. 4.20).
+
+    Motion by K Jᵀe leaves (I − K J Jᵀ) e of an error e: its part along the i-th left singular vector is multiplied by
+    1 − K σ_i². No part grows while K < 2/σ², and none changes its sign up to K = 1/σ², where the part that the joints
+    move best is gone at once and the others are less by σ_i²/σ² of them. So with this transpose a gain of one is the
+    largest that does not overshoot, and one of two the limit of stability, whatever the units and the posture.
+    """
+    largest = np.linalg.norm(jacobian, ord=2, axis=(-2, -1))[..., None, None]
+    scaled: Array = np.swapaxes(jacobian, -1, -2) / np.where(largest > 0.0, largest, 1.0) ** 2
+    return scaled
+
+
 def null_space_projector(jacobian: Array, cutoff: float = 1e-6) -> Array:
     """N = I − J⁺J, (..., n, n), the orthogonal projector on the null space of J (..., m, n).
 

@@ -12,8 +12,8 @@ from graspdsl.basis.spaces import GradientSpace
 class Effector(ABC):
     """An effector transform: ``reads`` names its inputs, fields of an Observation or what the compiler makes of them.
 
-    On the surface the k contacts move by (2k,) coordinates, in Cartesian space by a (3k,) displacement, in rotation
-    space by (3k,) exponential coordinates; in joint space the n joints move.
+    On the surface the k contacts move by (2k,) coordinates, in Cartesian space by a (3k,) displacement; in rotation
+    space all turn as one, by (3,) exponential coordinates; in joint space the n joints move.
     """
 
     symbol: ClassVar[str]
@@ -26,5 +26,6 @@ class Effector(ABC):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """τ, (..., d, D): rows of the task space, columns of the gradient space.
 
-        mixing: (m, k) in joint space, (s, n) for joint sets, weights (k,) otherwise.
+        mixing: (m, k) in joint space, (s, n) for joint sets; in rotation space (2, k), the weights in Γσ of the points
+        and of the normals that turn; weights (k,) otherwise.
         """

@@ -12,12 +12,11 @@ from graspdsl.basis.joint_effectors import (
     PositionJacobian,
     PostureSelection,
 )
+from graspdsl.basis.rotation_effectors import ForceResidualRotation, MomentResidualRotation
 from graspdsl.basis.surface_effectors import (
     ForceResidualDisplacement,
-    ForceResidualRotation,
     ForceResidualSurface,
     MomentResidualDisplacement,
-    MomentResidualRotation,
     MomentResidualSurface,
     WrenchResidualDisplacement,
     WrenchResidualSurface,

@@ -51,6 +51,30 @@ class ContactSet:
         return total
 
     @property
+    def turning(self) -> Array:
+        """(2, k), (2, k + 1) with gravity: the weights of the points and of the normals that turn with a held object.
+
+        Gravity acts at the object's centre of mass, which turns, and downwards however the object lies.
+        """
+        normals = self.weights
+        normals[self.count :] = 0.0
+        return np.stack([self.weights, normals])
+
+    @property
+    def without_gravity(self) -> ContactSet:
+        """The set as a sensor that gravity does not reach has it: virtual contacts are means of their other members."""
+        if not self.has_gravity:
+            return self
+        members = []
+        for member in self.members:
+            kept = [(contact, weight) for contact, weight in member.weights if contact < self.count]
+            whole = sum(weight for _, weight in kept)
+            if kept:
+                shares = tuple((contact, weight / whole) for contact, weight in kept)
+                members.append(ContactResource(member.label, shares))
+        return ContactSet(f"{self.label} ∖ γ_g", tuple(members), self.count)
+
+    @property
     def contacts(self) -> tuple[int, ...]:
         """The physical contacts in the set, in order of their first mention."""
         mentioned = (contact for member in self.members for contact, _ in member.weights)

@@ -21,7 +21,7 @@ class Sensor(ABC):
     """A sensor transform: ``reads`` names its inputs (fields of an Observation, or ``origin``).
 
     ``per_contact`` sensors give one row a resource, the others one vector for the whole set. ``over_joints`` sensors
-    take joint sets instead of contacts.
+    take joint sets instead of contacts. Sensors that do not ``feel_gravity`` leave γ_g out of a set.
     """
 
     symbol: ClassVar[str]
@@ -31,6 +31,7 @@ class Sensor(ABC):
     reads: ClassVar[tuple[str, ...]]
     per_contact: ClassVar[bool]
     over_joints: ClassVar[bool] = False
+    feels_gravity: ClassVar[bool] = True
 
     @abstractmethod
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
@@ -141,7 +142,11 @@ class NetWrench(Sensor):
 
 
 class Orientations(Sensor):
-    """σ_r: the orientations of the contact frames in exponential coordinates [rad], (..., m, 3) (Eq. 4.41, 4.32)."""
+    """σ_r: the orientations of the contact frames in exponential coordinates [rad], (..., m, 3) (Eq. 4.41, 4.32).
+
+    γ_g has none: the Γσ of Eq. 4.41 is sensed without it, one row for each other resource. As a held object turns all
+    contacts alike, τ_r(Γτ) serves every row, whichever contacts Γτ names.
+    """
 
     symbol = "σ_r"
     about = "contact orientations"
@@ -149,6 +154,7 @@ class Orientations(Sensor):
     space = TaskSpace.ORIENTATION
     reads = ("orientations",)
     per_contact = True
+    feels_gravity = False
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R r, shape (..., m, 3)."""

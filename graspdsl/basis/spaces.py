@@ -33,7 +33,7 @@ class GradientSpace(enum.Enum):
         return {
             GradientSpace.SURFACE: "surface coordinates of the contacts (rad on the model sphere)",
             GradientSpace.CARTESIAN: "Cartesian displacements of the contacts (m)",
-            GradientSpace.ROTATION: "rotations of the contacts (rad)",
+            GradientSpace.ROTATION: "rotation of a held object with its contacts (rad)",
             GradientSpace.JOINTS: "joint displacements (m or rad)",
         }[self]
 

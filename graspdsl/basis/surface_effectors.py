@@ -1,4 +1,4 @@
-"""Effector transforms τ of the residuals: net unit force and moment by motion of the contacts (Eq. 4.12 to 4.39).
+"""Effector transforms τ of the residuals: net unit force and moment by sliding contacts (Eq. 4.12 to 4.29).
 
 They rest on two models of the surface at a contact: for the force, a sphere of curvature radius r; for the moment, the
 tangent plane. ``frames`` T (..., k, 3, 2) span the tangent planes; ``stretch`` S (..., k, 2) is one for local tangent
@@ -28,11 +28,6 @@ def moment_by_surface(weights: Array, normals: Array, frames: Array, radius: Arr
 def surface_by_cartesian(frames: Array, radius: Array) -> Array:
     """∂ψ/∂x = (r̂_θ r̂_φ)ᵀ / r, (..., k, 2, 3) [rad/m] (Eq. 4.27)."""
     return np.asarray(np.swapaxes(frames, -1, -2) / radius)
-
-
-def surface_by_rotation(normals: Array, frames: Array) -> Array:
-    """∂ψ/∂r = Tᵀ [n]×, (..., k, 2, 3) [1]: surface coordinates that turn the normal as a rotation does (Eq. 4.38)."""
-    return np.asarray(np.swapaxes(frames, -1, -2) @ skew(normals))
 
 
 class ForceResidualSurface(Effector):
@@ -128,36 +123,3 @@ class WrenchResidualDisplacement(Effector):
         moment = moment_by_surface(mixing, normals, frames, radius) / radius
         both = np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2)
         return in_columns(both @ surface_by_cartesian(frames, radius))
-
-
-class ForceResidualRotation(Effector):
-    """τ_frr = ∂f/∂ψ ∂ψ/∂r (Eq. 4.38): the contact turns and its normal with it, ∂f_i/∂r_i = −w_i T S Tᵀ [n_i]×,
-    (..., 3, 3k) [1/rad]."""
-
-    symbol = "τ_frr"
-    about = "net unit force by contact rotations"
-    equation = "4.38"
-    gradient_space = GradientSpace.ROTATION
-    reads = ("normals", "frames", "stretch")
-
-    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
-        """−w T S Tᵀ [n]× side by side, shape (..., 3, 3k)."""
-        normals, frames, stretch = inputs
-        return in_columns(force_by_surface(mixing, frames, stretch) @ surface_by_rotation(normals, frames))
-
-
-class MomentResidualRotation(Effector):
-    """τ_mrr = ∂m/∂ψ ∂ψ/∂r (Eq. 4.39): the point that the plane model moves to, ∂m_i/∂r_i = −w_i r [n_i]× T Tᵀ [n_i]×,
-    (..., 3, 3k) [m/rad]."""
-
-    symbol = "τ_mrr"
-    about = "net moment by contact rotations"
-    equation = "4.39"
-    gradient_space = GradientSpace.ROTATION
-    reads = ("normals", "frames", "curvature_radius")
-
-    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
-        """−w r [n]× T Tᵀ [n]× side by side, shape (..., 3, 3k)."""
-        normals, frames, radius = inputs
-        moved = moment_by_surface(mixing, normals, frames, radius) @ surface_by_rotation(normals, frames)
-        return in_columns(moved)

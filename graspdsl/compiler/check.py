@@ -12,7 +12,7 @@ from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS, Potential
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
-from graspdsl.basis.spaces import GradientSpace
+from graspdsl.basis.spaces import GradientSpace, TaskSpace
 from graspdsl.compiler.citing import cited
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.definitions import TOO_LARGE, Bindings, Definition, abbreviations_in, expanded, in_order_of_use
@@ -262,7 +262,7 @@ class Checker:
         sensor = self.sensor(tree.sensor.name)
         over_joints = sensor is not None and sensor.over_joints
         moved = self._moved(tree.effector.resources, over_joints)
-        sensed = self.sensed(tree.sensor.resources, over_joints)
+        sensed = self.sensed(tree.sensor.resources, sensor)
         if potential is None:
             self._references.names(tree.reference)
             return None
@@ -270,7 +270,7 @@ class Checker:
         sound, reference = self._references.reference(tree.reference, potential, sensed, tree.span)
         if not (fits and sound) or effector is None or sensor is None or moved is None or sensed is None:
             return None
-        if sensor.per_contact and not moved.same_as(sensed):
+        if sensor.per_contact and not (moved.same_as(sensed) or self._turn_alike(sensor)):
             self.complaints.error(
                 "resources-differ",
                 f"{potential.symbol} servoes each contact: effector and sensor need the same resources, found "
@@ -287,7 +287,7 @@ class Checker:
                 tree.sensor.resources.span,
                 "put γ_g among the sensor's resources (Eq. 4.41)",
             )
-        if sensor.per_contact:
+        if sensor.per_contact and moved.same_as(sensed):
             moved = sensed  # the same resources, in the order of the sensor's rows
         label = to_unicode(syntax.Controller(tree.potential, tree.effector, tree.sensor))
         return ControllerNode(label, potential, effector, moved, sensor, sensed, reference)
@@ -318,8 +318,23 @@ class Checker:
         """The sensor transform of a name."""
         return self._known(name, SENSORS, "sensor transform")
 
-    def sensed(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
-        """The resources of a sensor transform."""
+    def sensed(self, resources: syntax.Resources, sensor: Sensor | None) -> ContactSet | JointSet | None:
+        """The resources of a sensor transform, without gravity where it feels none."""
+        found = self._resolved(resources, sensor is not None and sensor.over_joints)
+        if sensor is None or sensor.feels_gravity or not isinstance(found, ContactSet):
+            return found
+        contacts = found.without_gravity
+        if not contacts.members:
+            message = f"{sensor.symbol} senses nothing of γ_g"
+            self.complaints.error("gravity-not-sensed", message, resources.span, "name a contact beside it")
+            return None
+        return contacts
+
+    def _turn_alike(self, sensor: Sensor) -> bool:
+        """Whether what is sensed of one contact is served by moving any: a held object turns with all of them."""
+        return sensor.space is TaskSpace.ORIENTATION and self._resources.senses_gravity
+
+    def _resolved(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
         return self._resources.resolve_joints(resources) if over_joints else self._resources.resolve(resources)
 
     def _moved(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
@@ -332,7 +347,7 @@ class Checker:
                 "put γ_g in the sensor resources only",
             )
             return None
-        return self.sensed(resources, over_joints)
+        return self._resolved(resources, over_joints)
 
     def _known(self, name: syntax.Name, table: Mapping[str, T], what: str) -> T | None:
         found = table.get(name.text)

@@ -67,7 +67,8 @@ class Errors:
         cap = self._target.cap * unit
         capped = partial(operations.capped, cap)
         moved = self._build.apply(name, self._limited(cap, turning), capped, self._motion(controller))
-        rows = partial(operations.rows_of, self._transforms.mixing(resources))
+        mixing = self._transforms.mixing(resources)
+        rows = partial(operations.rows_of, np.ones((len(mixing), 1)) if turning else mixing)
         return self._build.apply(f"{name}({resources.label})", "by resource", rows, moved)
 
     def _vector(self, node: ControllerNode, resources: ContactSet, name: str, values: Array) -> int:

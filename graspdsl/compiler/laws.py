@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from graspdsl.basis.algebra import damped_pseudo_inverse
+from graspdsl.basis.algebra import damped_pseudo_inverse, scaled_transpose
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.spaces import GradientSpace, TaskSpace
 from graspdsl.compiler import operations
@@ -61,15 +61,17 @@ class Laws:
         return self._build.apply(f"−k∇{name}", about, partial(np.multiply, gain), gradient)
 
     def _inverse(self, node: ControllerNode, slope: int, task: int) -> int:
-        """J⁺e or Jᵀe while every contact touches; otherwise the contacts wait for each other."""
-        name, damping = node.potential.symbol, self._control.damping
-        about = f"joint displacement, {cited(node.potential.equation)}"
+        """K_p J⁺e, J⁺ a pseudo-inverse or a transpose, while all contacts touch; else they wait (Eq. 4.20)."""
+        name, damping, gain = node.potential.symbol, self._control.damping, self._control.position_gain
         if self._control.inverse == "pseudo-inverse":
             invert = partial(damped_pseudo_inverse, damping)
             inverse = self._build.apply("J⁺", f"damped pseudo-inverse, λ = {damping:g}", invert, task)
-            moved = self._build.apply(f"J⁺∇{name}", about, operations.times, inverse, slope)
         else:
-            moved = self._build.apply(f"Jᵀ∇{name}", about, operations.transposed_times, task, slope)
+            inverse = self._build.apply("Jᵀ/σ²", "transpose, σ the largest singular value", scaled_transpose, task)
+        about = f"joint displacement, {cited(node.potential.equation)}"
+        moved = self._build.apply(f"J⁺∇{name}", about, operations.times, inverse, slope)
+        if gain != 1.0:
+            moved = self._build.apply(f"K_p Δ{name}", f"{gain:g} of it a tick", partial(np.multiply, gain), moved)
         if self._target.held:
             return moved
         resources = contacts_of(node.effector_resources)

@@ -62,8 +62,8 @@ class _Lowering:
             by_surface = self._build.apply("Δψ(γ)", "by contact", operations.by_surface, command)
             about = "displacement of the contacts [m], Eq. 4.27"
             command = self._build.apply("Δx", about, operations.from_surface, frames, radius, by_surface)
-        elif space is not GradientSpace.JOINTS:
-            command = self._build.apply(f"Δ{space.value}", "by contact", operations.by_contact, command)
+        elif space is GradientSpace.CARTESIAN:
+            command = self._build.apply("Δx", "by contact", operations.by_contact, command)
         if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
             cap = partial(operations.capped_rows, self._target.cap)
             about = f"capped at {1000 * self._target.cap:.3g} mm a {self._target.each}"

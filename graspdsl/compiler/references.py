@@ -36,7 +36,7 @@ class ExpressionCheck(Protocol):
         """The sensor transform of a name."""
         ...
 
-    def sensed(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
+    def sensed(self, resources: syntax.Resources, sensor: Sensor | None) -> ContactSet | JointSet | None:
         """The resources of a sensor transform."""
         ...
 
@@ -76,8 +76,7 @@ class ReferenceCheck:
             case syntax.ScaledSensor(factor, sensor):
                 if isinstance(factor, syntax.Name):
                     self._parameter(factor)
-                known = self._checker.sensor(sensor.name)
-                self._checker.sensed(sensor.resources, known is not None and known.over_joints)
+                self._checker.sensed(sensor.resources, self._checker.sensor(sensor.name))
             case _:
                 self._checker.expression(tree)
 
@@ -160,8 +159,7 @@ class ReferenceCheck:
         elif tree.factor is not None:
             factor = tree.factor if self._within((tree.factor,), tree.span) else None
         sensor = self._checker.sensor(tree.sensor.name)
-        over_joints = sensor is not None and sensor.over_joints
-        set_of_reference = self._checker.sensed(tree.sensor.resources, over_joints)
+        set_of_reference = self._checker.sensed(tree.sensor.resources, sensor)
         if sensor is None:
             return None
         if sensor.symbol not in potential.references:
@@ -177,9 +175,6 @@ class ReferenceCheck:
             self._pressed(tree, factor)
             return None
         if set_of_reference is None or resources is None or factor is None:
-            return None
-        if sensor.space is TaskSpace.ORIENTATION and _has_gravity(set_of_reference):
-            self._complaints.error("gravity-not-sensed", "γ_g has no orientation", tree.span, "leave γ_g out")
             return None
         if _rows(set_of_reference) != _rows(resources):
             self._complaints.error(
@@ -243,10 +238,6 @@ def to_unicode_scaled(tree: syntax.ScaledSensor) -> str:
         case syntax.Name(text):
             return f"{text} {sensor}"
     return f"{tree.factor:g} {sensor}"
-
-
-def _has_gravity(resources: ContactSet | JointSet) -> bool:
-    return isinstance(resources, ContactSet) and resources.has_gravity
 
 
 def _rows(resources: ContactSet | JointSet) -> list[int]:

@@ -55,7 +55,7 @@ class ResourceTable:
         unread: Sequence[str] = (),
         other_hand: str | None = None,
     ) -> None:
-        self._robot, self._complaints, self._senses_gravity = robot, complaints, senses_gravity
+        self._robot, self._complaints, self.senses_gravity = robot, complaints, senses_gravity
         self._contacts = robot.contacts if robot else ()
         self._joint_sets = robot.joint_sets if robot else {}
         self._other_hand = other_hand
@@ -244,14 +244,14 @@ class ResourceTable:
         return self._meant[name.text]
 
     def _gravity(self, name: Name) -> _Meant | None:
-        if not self._senses_gravity:
+        if not self.senses_gravity:
             self._complaints.error(
                 "gravity-not-sensed",
                 "γ_g has no place here: the centre of mass is known only of an object that is held",
                 name.span,
                 "add 'held: true' to the object, or leave γ_g out",
             )
-        if self._robot is None or not self._senses_gravity:
+        if self._robot is None or not self.senses_gravity:
             return None
         return _Meant((ContactResource(GRAVITY, ((len(self._contacts), 1.0),)),), is_set=False)
 

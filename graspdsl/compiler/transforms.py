@@ -79,25 +79,29 @@ class Transforms:
         return self._build.apply(f"{name}, γ_g", about, operations.with_last_row, self.read(name), last)
 
     def effector(self, effector: Effector, resources: ContactSet | JointSet, sensed: ContactSet | JointSet) -> int:
-        """τ(Γτ) of a controller that senses ``sensed``."""
+        """τ(Γτ) of a controller that senses ``sensed``, in joint space with a row for each of its rows."""
         space = effector.gradient_space
-        label = f"{effector.symbol}({resources.label})"
+        label, with_gravity = f"{effector.symbol}({resources.label})", False
         if isinstance(resources, JointSet):
             assert isinstance(sensed, JointSet)
             mixing = sensed.matrix * resources.mask
+        elif space is GradientSpace.ROTATION:
+            assert isinstance(sensed, ContactSet)
+            mixing, with_gravity = sensed.turning, sensed.has_gravity
         else:
-            mixing = self.mixing(resources) if space is GradientSpace.JOINTS else resources.weights
+            assert isinstance(sensed, ContactSet)
+            mixing = self.mixing(sensed) if space is GradientSpace.JOINTS else resources.weights
         step = self._build.apply(
             label,
             f"{effector.about}, {cited(effector.equation)}",
             partial(effector.evaluate, mixing),
-            *[self.read(name) for name in effector.reads],
+            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in effector.reads],
         )
         if self._target.held and "angular_jacobian" in effector.reads:
             turning = partial(np.multiply, np.array(self._target.turning_joints, dtype=float))
             return self._build.apply(label, "the fingers hold still", turning, step)
         shared = self._control.virtual == "common" and isinstance(resources, ContactSet) and resources.has_virtual
-        if space is GradientSpace.JOINTS or not shared:
+        if space in (GradientSpace.ROTATION, GradientSpace.JOINTS) or not shared:
             return step
         assert isinstance(resources, ContactSet)
         together = (resources.matrix > 0.0).astype(float)

@@ -84,7 +84,16 @@ class Control(Model):
         "task: the null space of the higher task Jacobians",
     )
     inverse: Literal["pseudo-inverse", "transpose"] = Field(
-        default="pseudo-inverse", description="what turns contact motion into joint motion"
+        default="pseudo-inverse",
+        description="what turns contact motion into joint motion, J⁺ of Eq. 4.20; transpose: Jᵀ/σ², σ the largest "
+        "singular value of J; slow where joints move contacts little, and it presses: give it nullspace: task",
+    )
+    position_gain: Number = Field(
+        default=1.0,
+        gt=0.0,
+        lt=2.0,
+        description="K_p of Eq. 4.20 (1): share of a position or orientation error taken back a tick, by the transpose "
+        "of the part that the joints move best; above 1 it overshoots, from 2 on it would grow",
     )
     damping: Number = Field(default=0.02, ge=0.0, le=10.0, description="damping (1) of the pseudo-inverse")
     posture_gain: Number = Field(

@@ -23,6 +23,14 @@ def unit_vectors(random: np.random.Generator, *shape: int) -> Array:
     return unit
 
 
+def with_gravity(given: dict[str, Array], random: np.random.Generator) -> dict[str, Array]:
+    """Inputs with gravity behind the contacts: at the centre of mass, its force the weight, its normal down."""
+    shape = (*given["points"].shape[:-2], 1, 3)
+    down = np.broadcast_to([0.0, 0.0, -1.0], shape)
+    behind = {"points": random.normal(size=shape), "forces": random.uniform(0.1, 9.0) * down, "normals": down}
+    return {**given, **{name: np.concatenate([given[name], row], axis=-2) for name, row in behind.items()}}
+
+
 def inputs(
     random: np.random.Generator, contacts: int, *batch: int, coordinates: Coordinates = TANGENT
 ) -> dict[str, Array]:

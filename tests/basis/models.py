@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 
-from .coordinates import TANGENT, Coordinates
+from .coordinates import Coordinates
+from .resource_sets import CONTACTS
 
 Inputs = Mapping[str, Array]
 Motion = Callable[[Inputs, Array, Coordinates], Inputs]
@@ -66,25 +67,12 @@ def _displaced(motion: Motion) -> Motion:
     return moved
 
 
-def _rotated(motion: Motion) -> Motion:
-    """The motion of the ψ (2k,) that turns the normals of a sphere as a rotation r (3k,) of the contacts does.
-
-    A normal that turns by δr moves by δr × n; on the sphere it moves against ψ: δψ = Tᵀ (n × δr).
-    """
-
-    def moved(inputs: Inputs, r: Array, coordinates: Coordinates) -> Inputs:
-        against = np.cross(inputs["normals"], r.reshape(-1, 3))
-        psi = np.einsum("kij,ki->kj", _frames(inputs, coordinates), against)
-        return motion(inputs, psi.ravel(), coordinates)
-
-    return moved
-
-
-def _turned(inputs: Inputs, r: Array, coordinates: Coordinates) -> Inputs:
-    """Contacts turn by exp([δr]×), and their normals with them; by the angles of the normals in the chapter's form."""
-    if coordinates is not TANGENT:
-        return _rotated(_round_a_sphere)(inputs, r, coordinates)
-    return {**inputs, "normals": Rotation.from_rotvec(r.reshape(-1, 3)).apply(inputs["normals"])}
+def _turned(inputs: Inputs, r: Array, _: Coordinates) -> Inputs:
+    """The object turns by r (3,) about the origin of moments, and all that is fixed to it: every contact with its
+    normal, and the centre of mass, which stands behind the contacts where gravity is sensed. Down stays down."""
+    turn, origin, normals = Rotation.from_rotvec(r), inputs["origin"], inputs["normals"].copy()
+    normals[:CONTACTS] = turn.apply(normals[:CONTACTS])
+    return {**inputs, "points": origin + turn.apply(inputs["points"] - origin), "normals": normals}
 
 
 def _joints_move(inputs: Inputs, angles: Array, _: Coordinates) -> Inputs:
@@ -122,7 +110,7 @@ MODELS: Mapping[str, Model] = {
         (Part("σ_fr", _displaced(_round_a_sphere)), Part("σ_mr", _displaced(_on_a_plane), "curvature_radius")),
     ),
     "τ_frr": _model("σ_fr", _turned),
-    "τ_mrr": _model("σ_mr", _rotated(_on_a_plane)),
+    "τ_mrr": _model("σ_mr", _turned),
     "τ_p": _model("σ_p", _joints_move),
     "τ_r": _model("σ_r", _joints_turn),
     "τ_f": _model("σ_f", _joints_press),

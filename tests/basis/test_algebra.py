@@ -13,6 +13,7 @@ from graspdsl.basis.algebra import (
     in_columns,
     in_rows,
     null_space_projector,
+    scaled_transpose,
     skew,
     spherical_frames,
     spherical_stretch,
@@ -103,6 +104,24 @@ def test_damped_pseudo_inverse_is_bounded_where_the_jacobian_is_singular() -> No
         assert np.linalg.norm(damped_pseudo_inverse(damping, singular), 2) <= 0.5 / damping * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("shape", [(3, 7), (7, 3), (5, 5), (1, 4)])
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_an_error_shrinks_under_the_scaled_transpose(shape: tuple[int, int], unit: float) -> None:
+    """At a gain of one no part of an error overshoots and the part moved best is gone; from two on one part grows."""
+    jacobian = unit * generator().normal(size=shape)
+    moved = jacobian @ scaled_transpose(jacobian)
+    parts = np.linalg.eigvalsh(moved)
+    np.testing.assert_allclose(parts.max(), 1.0, rtol=1e-9)
+    assert parts.min() > -1e-9
+    left = [np.linalg.norm(np.eye(len(jacobian)) - gain * moved, 2) for gain in (1.0, 1.99, 2.01)]
+    assert left[0] < 1.0 + 1e-9
+    assert left[1] < 1.0 + 1e-9 < left[2]
+
+
+def test_what_no_joint_moves_is_left_alone() -> None:
+    np.testing.assert_array_equal(scaled_transpose(np.zeros((3, 4))), np.zeros((4, 3)))
+
+
 def _low_rank(random: np.random.Generator, rows: int, rank: int, columns: int) -> Array:
     return random.normal(size=(rows, rank)) @ random.normal(size=(rank, columns))
 
@@ -134,3 +153,4 @@ def test_inverses_and_projectors_take_batches() -> None:
         np.testing.assert_allclose(
             damped_pseudo_inverse(0.1, jacobians)[place], damped_pseudo_inverse(0.1, one), atol=1e-13
         )
+        np.testing.assert_allclose(scaled_transpose(jacobians)[place], scaled_transpose(one), atol=1e-13)

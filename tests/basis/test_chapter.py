@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross, spherical_frames, spherical_stretch, tangent_frames
@@ -12,9 +13,10 @@ from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
 
 from .coordinates import SPHERICAL
+from .coordinates import angles as angles_of
 from .differences import central_differences
-from .drawing import generator, inputs
-from .resource_sets import CONTACTS, NESTED, PLAIN, VIRTUAL
+from .drawing import generator, inputs, with_gravity
+from .resource_sets import CONTACTS, NESTED, PLAIN, SETS, VIRTUAL, WITH_GRAVITY
 
 ONE = np.ones(1)
 RADIUS = np.array(1.7)
@@ -175,30 +177,44 @@ def test_4_28_and_4_29_are_4_12_and_4_16_through_the_tangent_frame(by_surface: s
         np.testing.assert_allclose(in_psi, in_x @ step, atol=1e-12)
 
 
-@pytest.mark.parametrize(("by_displacement", "by_rotation"), [("τ_frx", "τ_frr"), ("τ_mrx", "τ_mrr")])
-def test_4_38_and_4_39_are_4_28_and_4_29_of_the_displacement_that_turns_the_normal(
-    by_displacement: str, by_rotation: str
-) -> None:
-    """A normal turns by δr × n as the contact moves by r n × δr on the sphere; turning about it does nothing."""
-    given = inputs(generator(), CONTACTS)
-    by_x, by_r = (
-        effector.evaluate(NESTED.weights, *[given[name] for name in effector.reads])
-        for effector in (EFFECTORS[by_displacement], EFFECTORS[by_rotation])
-    )
-    for contact, normal in enumerate(given["normals"]):
-        columns = slice(3 * contact, 3 * contact + 3)
-        moved = given["curvature_radius"] * np.cross(normal, np.eye(3)).T
-        np.testing.assert_allclose(by_r[:, columns], by_x[:, columns] @ moved, atol=1e-12)
-        np.testing.assert_allclose(by_r[:, columns] @ normal, 0.0, atol=1e-12)
+def test_4_38_is_4_4_through_the_angles_that_turn_with_the_contact() -> None:
+    """∂f/∂ψ ∂ψ/∂r, ψ the angles of the normals: each contact turns by the same r, near a pole or not."""
+    around = places(steepest=np.radians(85)).reshape(-1, CONTACTS, 2)
+    for angles in around:
+        normals = np.stack([force(place) for place in angles])
+        expected = np.zeros((3, 3))
+        for place, normal, weight in zip(angles, normals, NESTED.weights, strict=True):
+
+            def turned(r: Array, normal: Array = normal, place: Array = place) -> Array:
+                after = np.array(angles_of(Rotation.from_rotvec(r).apply(normal)))
+                return np.asarray((after - place + np.pi) % (2 * np.pi) - np.pi)
+
+            expected += weight * force_by_angles(place) @ central_differences(turned, np.zeros(3))
+        found = EFFECTORS["τ_frr"].evaluate(NESTED.turning, normals)
+        np.testing.assert_allclose(found, expected, atol=1e-7)
 
 
-def _slopes(weights: Array, given: dict[str, Array], space: str = "x") -> tuple[Array, Array]:
-    """The gradients ∇φ_fr and ∇φ_mr by contact displacements, (3k,) each; or in ψ or r."""
+def test_turning_everything_changes_nothing_without_gravity() -> None:
+    """The gradients are ∝ ρ_f × ρ_f and ρ_m × ρ_m: zero, as the chapter has it under 4.41; not so with γ_g."""
+    random = generator()
+    for resources in (*SETS.values(), *WITH_GRAVITY.values()):
+        for _ in range(20):
+            given = inputs(random, CONTACTS)
+            given = with_gravity(given, random) if resources.has_gravity else given
+            for slope in _slopes(resources.weights, given, turning=resources.turning):
+                assert (np.linalg.norm(slope) < 1e-12) != resources.has_gravity
+
+
+def _slopes(
+    weights: Array, given: dict[str, Array], space: str = "x", turning: Array | None = None
+) -> tuple[Array, Array]:
+    """The gradients ∇φ_fr and ∇φ_mr by contact displacements, (3k,) each; or in ψ, or of what turns (2, k), in r."""
     found = []
-    ending = {"ψ": "", "x": "x", "r": "r"}[space]
+    ending = {"ψ": "", "x": "x"}[space] if turning is None else "r"
+    moved = weights if turning is None else turning
     for potential, sensor, effector in (("φ_fr", "σ_fr", f"τ_fr{ending}"), ("φ_mr", "σ_mr", f"τ_mr{ending}")):
         sensed = SENSORS[sensor].evaluate(weights, *[given[name] for name in SENSORS[sensor].reads])
-        task = EFFECTORS[effector].evaluate(weights, *[given[name] for name in EFFECTORS[effector].reads])
+        task = EFFECTORS[effector].evaluate(moved, *[given[name] for name in EFFECTORS[effector].reads])
         found.append(task.T @ POTENTIALS[potential].gradient(-sensed))
     return found[0], found[1]
 
@@ -219,7 +235,7 @@ def test_slope_is_written_out_per_contact() -> None:
     np.testing.assert_allclose(moment_slope, -2 * weights[:, None] * cross(normals, twist[None]), atol=1e-12)
 
 
-@pytest.mark.parametrize("space", ["ψ", "x", "r"])
+@pytest.mark.parametrize("space", ["ψ", "x"])
 def test_force_and_moment_slopes_are_normal_with_equal_weights(space: str) -> None:
     random = generator()
     for _ in range(200):

@@ -52,6 +52,26 @@ def test_gravity_has_a_column_behind_the_contacts_but_is_none_of_them() -> None:
         assert CONTACTS not in resources.contacts
 
 
+def test_a_held_object_turns_all_but_the_direction_of_gravity() -> None:
+    """Points above normals: gravity acts at the centre of mass, which turns, and downwards, which does not."""
+    np.testing.assert_array_equal(VIRTUAL.turning, [[1.0, 0.5, 0.5, 0.0]] * 2)
+    inside = WITH_GRAVITY["gravity in a virtual contact"]
+    np.testing.assert_array_equal(inside.turning, [[1.0, 0.0, 0.5, 0.0, 0.5], [1.0, 0.0, 0.5, 0.0, 0.0]])
+
+
+def test_what_gravity_leaves_of_a_set_are_its_contacts_and_means_of_them() -> None:
+    for resources in SETS.values():
+        assert resources.without_gravity == resources
+    left = {name: resources.without_gravity.matrix.tolist() for name, resources in WITH_GRAVITY.items()}
+    assert left == {
+        "gravity": [[0.0, 1.0, 0.0, 0.0]],
+        "virtual and gravity": [[0.0, 0.5, 0.0, 0.5]],
+        "gravity in a virtual contact": [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+    }
+    alone = ContactSet("γ_g", (ContactResource("γ_g", ((CONTACTS, 1.0),)),), CONTACTS)
+    assert alone.without_gravity.members == ()
+
+
 def test_joint_set_picks_its_joints_in_its_order() -> None:
     some = JOINT_SETS["some joints"]
     np.testing.assert_array_equal(some.matrix @ np.arange(JOINTS), [3, 1])

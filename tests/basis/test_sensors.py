@@ -11,10 +11,9 @@ from graspdsl.arrays import Array
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
 
-from .drawing import generator, inputs
+from .drawing import generator, inputs, with_gravity
 from .resource_sets import CONTACTS, JOINT_SETS, SETS, WITH_GRAVITY
 
-DOWN = np.array([0.0, 0.0, -1.0])
 Reading = Callable[[Mapping[str, Array], int], Array]
 
 # What a single contact, or gravity, senses.
@@ -35,7 +34,7 @@ OF_ONE: Mapping[str, Reading] = {
         ]
     ),
 }
-FEELS_GRAVITY = [symbol for symbol in OF_ONE if symbol != "σ_r"]  # gravity has no orientation
+FEELS_GRAVITY = [symbol for symbol in OF_ONE if SENSORS[symbol].feels_gravity]
 
 
 def of_resource(reading: Reading, given: Mapping[str, Array], resource: ContactResource) -> Array:
@@ -65,9 +64,11 @@ def test_sensor_of_contacts_and_gravity(symbol: str, resources: ContactSet) -> N
     """Gravity stands behind the contacts: at the centre of mass, its force the weight, its normal straight down."""
     random = generator()
     for _ in range(10):
-        given, centre_of_mass, weight = inputs(random, CONTACTS), random.normal(size=3), random.uniform(0.1, 9.0)
-        behind = {"points": centre_of_mass, "forces": weight * DOWN, "normals": DOWN}
-        _checked(symbol, resources, {**given, **{key: np.vstack([given[key], row]) for key, row in behind.items()}})
+        _checked(symbol, resources, with_gravity(inputs(random, CONTACTS), random))
+
+
+def test_only_an_orientation_is_not_gravitys() -> None:
+    assert [symbol for symbol, sensor in SENSORS.items() if not sensor.feels_gravity] == ["σ_r"]
 
 
 @pytest.mark.parametrize("resources", JOINT_SETS.values(), ids=JOINT_SETS)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from itertools import product
+from collections.abc import Iterator
+from itertools import islice, product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +20,9 @@ from graspdsl.basis.spaces import DISPLACES, GradientSpace, TaskSpace
 
 from .coordinates import COORDINATES, Coordinates
 from .differences import central_differences
-from .drawing import JOINTS, generator, inputs
+from .drawing import JOINTS, generator, inputs, with_gravity
 from .models import MODELS
-from .resource_sets import CONTACTS, JOINT_SETS, SETS
+from .resource_sets import CONTACTS, JOINT_SETS, SETS, WITH_GRAVITY
 
 EACH_POTENTIAL = pytest.mark.parametrize("potential", POTENTIALS.values(), ids=POTENTIALS)
 EACH_EFFECTOR = pytest.mark.parametrize("effector", EFFECTORS.values(), ids=EFFECTORS)
@@ -34,9 +36,12 @@ ROWS = {TaskSpace.NET_FORCE: 3, TaskSpace.NET_MOMENT: 3, TaskSpace.NET_WRENCH: 6
 COLUMNS = {
     GradientSpace.SURFACE: 2 * CONTACTS,
     GradientSpace.CARTESIAN: 3 * CONTACTS,
-    GradientSpace.ROTATION: 3 * CONTACTS,
+    GradientSpace.ROTATION: 3,
     GradientSpace.JOINTS: JOINTS,
 }
+
+
+Resources = ContactSet | JointSet
 
 
 def moves_joint_sets(effector: Effector) -> bool:
@@ -49,15 +54,21 @@ SENSED = [
     for symbol, sensor in SENSORS.items()
     for name, resources in (JOINT_SETS if sensor.over_joints else SETS).items()
 ]
-# What is moved and what is sensed: one set of contacts, or any two sets of joints.
+
+
+def pairs(effector: Effector) -> list[tuple[tuple[str, Resources], tuple[str, Resources]]]:
+    """What is moved and what is sensed: one set of contacts, or any two of joints; a turn moves what any set senses."""
+    if moves_joint_sets(effector):
+        return list(product(JOINT_SETS.items(), repeat=2))
+    if effector.gradient_space is GradientSpace.ROTATION:
+        return list(product([("some", SETS["some"])], (SETS | WITH_GRAVITY).items()))
+    return [((name, same), (name, same)) for name, same in SETS.items()]
+
+
 MOVED = [
     pytest.param(effector, moved, sensed, id=f"{symbol}-{one}-{other}")
     for symbol, effector in EFFECTORS.items()
-    for (one, moved), (other, sensed) in (
-        product(JOINT_SETS.items(), repeat=2)
-        if moves_joint_sets(effector)
-        else [((name, same), (name, same)) for name, same in SETS.items()]
-    )
+    for (one, moved), (other, sensed) in pairs(effector)
 ]
 EACH_SENSED = pytest.mark.parametrize(("sensor", "resources"), SENSED)
 EACH_MOVED = pytest.mark.parametrize(("effector", "moved", "sensed"), MOVED)
@@ -72,7 +83,18 @@ def moving(effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet 
     """The mixing that an effector transform takes."""
     if isinstance(moved, JointSet):
         return sensed.matrix * np.isin(np.arange(JOINTS), moved.joints)
+    if effector.gradient_space is GradientSpace.ROTATION:
+        assert isinstance(sensed, ContactSet)
+        return sensed.turning
     return moved.matrix if effector.gradient_space is GradientSpace.JOINTS else moved.weights
+
+
+def drawn(sensed: ContactSet | JointSet, *batch: int, **options: Any) -> Iterator[dict[str, Array]]:
+    """Inputs without end, with gravity behind the contacts where it is sensed."""
+    random = generator()
+    while True:
+        given = inputs(random, CONTACTS, *batch, **options)
+        yield with_gravity(given, random) if isinstance(sensed, ContactSet) and sensed.has_gravity else given
 
 
 def rows_of(space: TaskSpace, resources: ContactSet | JointSet) -> int:
@@ -165,7 +187,7 @@ def test_effector_shape_and_batches(
     effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet | JointSet, coordinates: Coordinates
 ) -> None:
     mixing = moving(effector, moved, sensed)
-    batch = inputs(generator(), CONTACTS, 2, 3, coordinates=coordinates)
+    batch = next(drawn(sensed, 2, 3, coordinates=coordinates))
     rows = rows_of(SENSORS[MODELS[effector.symbol].sensor].space, sensed)
     whole = effector.evaluate(mixing, *[batch[name] for name in effector.reads])
     columns = COLUMNS[effector.gradient_space]
@@ -189,10 +211,9 @@ def test_every_effector_has_a_model() -> None:
 def test_effector_is_the_derivative_under_its_model(
     effector: Effector, moved: ContactSet | JointSet, sensed: ContactSet | JointSet, coordinates: Coordinates
 ) -> None:
-    model, random = MODELS[effector.symbol], generator()
+    model = MODELS[effector.symbol]
     mask = np.isin(np.arange(JOINTS), moved.joints) if isinstance(moved, JointSet) else 1.0
-    for _ in range(5):
-        at_rest = inputs(random, CONTACTS, coordinates=coordinates)
+    for at_rest in islice(drawn(sensed, coordinates=coordinates), 5):
 
         def read(displacement: Array, at_rest: dict[str, Array] = at_rest) -> Array:
             parts = []

@@ -125,6 +125,8 @@ def _sound_controller(draw: st.DrawFn, space: GradientSpace) -> Expression:
     else:
         sensed = draw(apart)
         moved = sensed if SENSORS[sensor].per_contact else draw(apart)
+    if sensor == "σ_r":  # over any contacts, whichever are moved, and gravity leaves it alone
+        moved, sensed = draw(apart), draw(_with_gravity(sensed).filter(lambda tree: tree != Name("γ_g")))
     if not (SENSORS[sensor].per_contact or SENSORS[sensor].over_joints):
         sensed = draw(_with_gravity(sensed))
     reference: Reference | None = None

@@ -1,4 +1,4 @@
-"""Three levels in each gradient space with a virtual contact: what is certified, and what nested projection leaks."""
+"""Three levels with a virtual contact: what is certified in each gradient space, and what nested projection leaks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.worlds.protocol import Observation
 
 from .observations import compiled, observation
-from .points import COUNT, GRASP_MEMBERS, of_points, over_points
+from .points import COUNT, of_points, over_points
 
 SEEDS = range(10)
 
@@ -37,14 +37,13 @@ class Chain:
         return of_points(seed) if self.points else observation(seed)
 
 
-def _residuals(ending: str, size: int, *gravity: str) -> Chain:
+def _residuals(ending: str, size: int) -> Chain:
     """The moment is left to three contacts of five, so that its gradient is not normal to the force's anyway."""
-    grasp, pair = (f"{{{', '.join([*members, *gravity])}}}" for members in (GRASP_MEMBERS, ["γ1", "<γ2, γ4>"]))
     return Chain(
         (
-            f"φ_fr|τ_fr{ending}(Γ) σ_fr({grasp})",
-            f"φ_mr|τ_mr{ending}({{γ1, γ2, γ5}}) σ_mr({grasp})",
-            f"φ_fr|τ_fr{ending}({{γ1, γ4}}) σ_fr({pair})",
+            f"φ_fr|τ_fr{ending}(Γ) σ_fr(Γ)",
+            f"φ_mr|τ_mr{ending}({{γ1, γ2, γ5}}) σ_mr(Γ)",
+            f"φ_fr|τ_fr{ending}({{γ1, γ4}}) σ_fr({{γ1, <γ2, γ4>}})",
         ),
         (3, 3, 3),
         size,
@@ -54,7 +53,6 @@ def _residuals(ending: str, size: int, *gravity: str) -> Chain:
 CHAINS = {
     "ψ": _residuals("", 2 * COUNT),
     "x": _residuals("x", 3 * COUNT),
-    "r": _residuals("r", 3 * COUNT, "γ_g"),
     "q": Chain(
         (
             "φ_f|τ_f(γ3) σ_f(γ3) (κ_f σ_n(γ3))",
@@ -143,6 +141,23 @@ def test_ranks_are_what_the_higher_levels_leave(chain: Chain) -> None:
         assert [chain.size - np.linalg.matrix_rank(rows, tol=1e-9) for rows in felt] == list(
             by_task.evaluate(seen).ranks
         )
+
+
+@pytest.mark.parametrize(("nullspace", "ranks"), [("gradient", (2, 1)), ("task", (1, 0))])
+def test_a_turn_of_a_held_object_has_room_for_two_levels(nullspace: str, ranks: tuple[int, int]) -> None:
+    """No residual minds a turn about the vertical, so that two gradients in r leave none of a third; nor does the net
+    force mind one about its own direction, which is all that its task leaves."""
+    weighed = "{γ1, <γ2, γ3>, γ4, γ5, γ_g}"
+    force, moment = f"φ_fr|τ_frr(Γ) σ_fr({weighed})", f"φ_mr|τ_mrr({{γ1, γ2, γ5}}) σ_mr({weighed})"
+    pipeline = over_points(f"φ_fr|τ_frr({{γ1, γ4}}) σ_fr({{γ1, γ4, γ_g}}) ◁ {moment} ◁ {force}", nullspace=nullspace)
+    for seed in SEEDS:
+        seen = of_points(seed)
+        assert pipeline.evaluate(seen).ranks == ranks
+        ((felt,), second, projected), (_, third, nothing) = projections(pipeline, seen)
+        assert leak(felt, second, projected) < 1e-9
+        assert np.linalg.norm(projected) > 1e-6 * np.linalg.norm(second)
+        assert np.linalg.norm(nothing) < 1e-9 * np.linalg.norm(third)
+        assert abs(third[2]) < 1e-12
 
 
 def test_a_level_at_its_goal_takes_no_rank() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -70,10 +71,8 @@ def test_unit_net_force_moves_a_contact_by_a_step_in_each_space(probing: bool) -
         moved = made_for(target, formula, seen)
         np.testing.assert_allclose(moved[THUMB], step * across, atol=1e-15)
         np.testing.assert_array_equal(moved[[FIRST, SECOND]], 0.0)
-    turned = made_for(target, "φ_fr|τ_frr(γ1) σ_fr(γ2)", seen)
-    about = np.cross(seen.normals[FIRST], seen.normals[THUMB])
-    np.testing.assert_allclose(turned[THUMB], step / RADIUS * about, atol=1e-15)
-    np.testing.assert_array_equal(turned[[FIRST, SECOND]], 0.0)
+    turned = made_for(target, "φ_fr|τ_frr(γ1) σ_fr({γ2, γ_g})", seen)
+    np.testing.assert_allclose(turned, target.step(2) / RADIUS * np.cross(DOWN, seen.normals[FIRST]), atol=1e-15)
 
 
 def test_a_moment_weighs_as_a_force_at_the_curvature_radius() -> None:
@@ -85,9 +84,10 @@ def test_a_moment_weighs_as_a_force_at_the_curvature_radius() -> None:
     for formula in ("φ_mr|τ_mrx(γ1) σ_mr(γ2)", "φ_mr|τ_mr(γ1) σ_mr(γ2)"):
         moved = command(formula, seen, **settings)
         np.testing.assert_allclose(moved[THUMB], 3.0 * STEP / RADIUS * across, atol=1e-15)
-    turned = command("φ_mr|τ_mrr(γ1) σ_mr(γ2)", seen, **settings)
-    expected = 3.0 * STEP / RADIUS**2 * np.cross(across, seen.normals[THUMB])
-    np.testing.assert_allclose(turned[THUMB], expected, atol=1e-14)
+    turned = command("φ_mr|τ_mrr(γ1) σ_mr({γ2, γ_g})", seen, **settings)
+    weight = np.cross(seen.centre_of_mass, DOWN)
+    about = np.cross(weight, moment) - np.cross(seen.centre_of_mass, np.cross(DOWN, moment + weight))
+    np.testing.assert_allclose(turned, 3.0 * STEP / RADIUS**3 * about, atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -160,29 +160,71 @@ def test_moments_may_be_about_the_object() -> None:
         np.testing.assert_allclose(tick.moment_residual, np.sum(levers, axis=0), atol=1e-14)
 
 
-@pytest.mark.parametrize("virtual", ["members", "common"])
-def test_turning_a_whole_grasp_without_gravity_has_no_force_gradient(virtual: str) -> None:
-    """The sum over the contacts of the rotation gradients of φ_fr is ∝ F × F: a common turn changes nothing."""
-    for seed in range(5):
-        seen = observation(seed)
-        plain = command("φ_fr|τ_frr({γ1, γ2, γ3}) σ_fr({γ1, γ2, γ3})", seen, virtual=virtual)
-        weighed = command("φ_fr|τ_frr({γ1, γ2, γ3}) σ_fr({γ1, γ2, γ3, γ_g})", seen, virtual=virtual)
-        np.testing.assert_allclose(plain.sum(axis=0), 0.0, atol=1e-15)
-        assert np.linalg.norm(weighed.sum(axis=0)) > 1e-4
+def object_turned(seen: Observation, turn: Rotation, about: Array) -> Observation:
+    """What is sensed when the object turns about a point, with all contacts that are fixed to it."""
+    return replace(
+        seen,
+        points=about + turn.apply(seen.points - about),
+        normals=turn.apply(seen.normals),
+        centre_of_mass=about + turn.apply(seen.centre_of_mass - about),
+        orientations=(turn * Rotation.from_rotvec(seen.orientations)).as_rotvec(),
+    )
 
 
-def test_a_held_contact_turns_until_it_opposes_gravity() -> None:
-    """Steps of π_gθ in φ_r's reference turn the normal of the controlled contact up, whichever way it starts."""
-    pipeline = compiled("φ_fr|τ_frr(γ1) σ_fr({γ1, γ_g})", step=0.02, cap=0.1)
+SENSED = ["γ1", "{γ1, γ2, γ3}", "Γ", "{γ2, γ3}", "<γ2, γ3>"]
+WEIGHED = ["{γ1, γ_g}", "{γ2, γ3, γ_g}", "{γ1, γ2, γ3, γ_g}", "{γ1, <γ2, γ3>, γ_g}", "{γ3, <γ1, γ_g>}"]
+EACH_ORIGIN = pytest.mark.parametrize("origin", ["centroid", "object", "world"])
+FORMS = [
+    {"surface": surface, "virtual": virtual}
+    for surface, virtual in product(("tangent", "spherical"), ("members", "common"))
+]
+
+
+@EACH_ORIGIN
+@pytest.mark.parametrize("sensed", WEIGHED)
+def test_an_object_turns_down_the_gradient_of_its_own_residuals(sensed: str, origin: str) -> None:
+    """Eq. 4.38, 4.39 against differences of ε_fr and ε_mr as the object turns with all contacts of Γσ, whichever of
+    them Γτ names. Moments about its own points do not mind about which point it turns."""
+    for seed, (moved, form) in enumerate(product(SENSED, FORMS)):
+        seen, settings = observation(seed), {**form, "origin": origin}
+        about = np.zeros(3) if origin == "world" else np.random.default_rng(seed).normal(size=3)
+        for kind, gain in (("force", 0.5 * STEP / RADIUS), ("moment", 0.5 * STEP / RADIUS**3)):
+            potential = "fr" if kind == "force" else "mr"
+            pipeline = compiled(f"φ_{potential}|τ_{potential}r({moved}) σ_{potential}({sensed})", **settings, **FREE)
+
+            turns = [(axis, sign) for axis in np.eye(3) for sign in (1.0, -1.0)]
+            after = [object_turned(seen, Rotation.from_rotvec(1e-5 * sign * axis), about) for axis, sign in turns]
+            squared = [np.sum(getattr(pipeline.evaluate(one), f"{kind}_residual") ** 2) for one in after]
+            slope = -np.diff(squared)[::2] / 2e-5
+            turned = pipeline.evaluate(seen).command.displacement
+            np.testing.assert_allclose(turned, -gain * slope, atol=1e-9)
+            # about its own centre of mass an object's weight has no moment
+            assert (np.linalg.norm(turned) > 1e-6) != (kind == "moment" and origin == "object")
+
+
+@EACH_ORIGIN
+@pytest.mark.parametrize("sensed", SENSED)
+def test_without_gravity_nothing_turns(sensed: str, origin: str) -> None:
+    """The gradient of Eq. 4.41 is always zero (end of Sec. 4.4.2), whichever contacts Γτ and Γσ name."""
+    for seed, (moved, form) in enumerate(product(SENSED, FORMS)):
+        for formula in (f"π_gθ|{moved} {sensed}", f"π_rgθ|{moved} {sensed}"):
+            assert np.abs(command(formula, observation(seed), **form, origin=origin)).max() < 1e-12
+
+
+@pytest.mark.parametrize("sensed", WEIGHED)
+def test_a_held_object_turns_until_its_contacts_oppose_gravity(sensed: str) -> None:
+    """The force residual falls all the way until their net presses straight up, whichever way it starts."""
+    pipeline = compiled(f"φ_fr|τ_frr(γ1) σ_fr({sensed})", step=0.01, cap=0.1)
     for seed in range(5):
-        seen = observation(seed)
-        heights = []
-        for _ in range(100):
-            turn = pipeline.evaluate(seen).command.displacement[THUMB]
-            seen.normals[THUMB] = Rotation.from_rotvec(turn).apply(seen.normals[THUMB])
-            heights.append(seen.normals[THUMB, 2])
-        assert np.all(np.diff(heights) > -1e-12)
-        np.testing.assert_allclose(seen.normals[THUMB], -DOWN, atol=1e-6)
+        seen, residuals = observation(seed), []
+        for _ in range(600):
+            tick = pipeline.evaluate(seen)
+            residuals.append(np.linalg.norm(tick.force_residual))
+            seen = object_turned(seen, Rotation.from_rotvec(tick.command.displacement), np.zeros(3))
+        assert np.all(np.diff(residuals) < 1e-12)
+        share = 0.5 if "<γ1, γ_g>" in sensed else 1.0
+        pressing = tick.force_residual - share * DOWN
+        np.testing.assert_allclose(pressing, -DOWN * np.linalg.norm(pressing), atol=1e-3)
 
 
 def test_the_fingers_that_hold_an_object_keep_still() -> None:
@@ -225,12 +267,12 @@ def test_orientation_servo_reaches_its_reference_the_short_way_round() -> None:
 
 def test_orientation_reference_of_a_controller_is_one_step_of_it() -> None:
     seen = observation()
-    by_controller = command("φ_r|τ_r(γ1) σ_r(γ1) (π_gθ|γ1 {γ1, γ_g})", seen, damping=1e-6, cap=0.1)
-    turn = command("π_gθ|γ1 {γ1, γ_g}", seen, cap=0.1)[THUMB]
-    np.testing.assert_allclose(seen.angular_jacobian[THUMB] @ by_controller, turn, rtol=1e-6)
+    by_controller = command("φ_r|τ_r(γ1) σ_r({γ1, γ_g}) (π_gθ|γ1 {γ1, γ_g})", seen, damping=1e-6, cap=0.1)
+    turn = command("π_gθ|γ1 {γ1, γ_g}", seen, cap=0.1)
+    np.testing.assert_allclose(seen.angular_jacobian[THUMB] @ by_controller, turn, rtol=1e-6, atol=1e-9)
     angle = np.linalg.norm(turn)
     capped = command("π_rgθ|γ1 {γ1, γ_g}", seen, damping=1e-6, cap=RADIUS * angle / 4)
-    np.testing.assert_allclose(seen.angular_jacobian[THUMB] @ capped, turn / 4, rtol=1e-6)
+    np.testing.assert_allclose(seen.angular_jacobian[THUMB] @ capped, turn / 4, rtol=1e-6, atol=1e-9)
 
 
 # --- moments ----------------------------------------------------------------------------------------------------

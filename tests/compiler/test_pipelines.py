@@ -90,10 +90,11 @@ def slide_step(seen: Observation, control: Control, pressure: float) -> Array:
     step = no_further_than(control.cap, grasp_step(seen, control))
     jacobian = seen.jacobian * WEIGHTS
     position_task = np.einsum("rk,kin->rin", rows, jacobian).reshape(-1, JOINTS)
-    inverse = position_task.T
+    gram = position_task @ position_task.T
+    inverse = position_task.T / np.linalg.eigvalsh(gram).max()
     if control.inverse == "pseudo-inverse":
-        inverse = inverse @ np.linalg.inv(position_task @ position_task.T + control.damping**2 * np.eye(3 * len(rows)))
-    along = inverse @ (rows @ step).ravel()
+        inverse = position_task.T @ np.linalg.inv(gram + control.damping**2 * np.eye(3 * len(rows)))
+    along = control.position_gain * inverse @ (rows @ step).ravel()
     outer = seen.normals[:, :, None] * seen.normals[:, None, :]
     force_task = np.einsum("rk,kij,kjn->rin", rows, outer, jacobian).reshape(-1, JOINTS)
     error = rows @ (pressure * seen.normals - np.einsum("kij,kj->ki", outer, seen.forces))
@@ -136,6 +137,8 @@ def test_slide_step(form: dict[str, str]) -> None:
         {"moment_gain": 7.0, "curvature_radius": 0.3, "cap": 0.1},
         {"admittance": 0.1, "approach": 0.005},
         {"damping": 1.0},
+        {"position_gain": 0.3},
+        {"position_gain": 1.7, "inverse": "transpose"},
     ],
 )
 def test_slide_step_under_other_settings(settings: dict[str, float]) -> None:

@@ -191,3 +191,21 @@ def test_a_probing_world_moves_joints_too() -> None:
         assert numbers(probing.reset(start, 0)) == numbers(sliding.reset(start, 0))
         assert numbers(probing.step(moved(base_1=0.01))) == numbers(sliding.step(moved(base_1=0.01)))
         assert numbers(probing.step(still())) != numbers(sliding.step(moved(base_2=0.01)))
+
+
+def off_force(*overrides: str) -> float:
+    """How far [N] contact forces get from the 0.5 N asked for while they slide for 6 s."""
+    program = main_program(*overrides)
+    with opened(BulletWorld(settings())) as world:
+        seen = grasped(world, side_start(roll=0.5), program)
+        shown = run_phase(world, program, 1, 300, seen)
+    assert all(seen.touching.all() for seen in shown)
+    return float(np.abs([np.linalg.norm(seen.forces, axis=1) - 0.5 for seen in shown]).max())
+
+
+def test_a_transpose_presses_no_more_than_the_pseudo_inverse() -> None:
+    """Jᵀ moves contacts not only where they are asked to go: what presses is projected away, or made little of."""
+    bound = off_force()
+    assert bound < 0.2
+    for way in ("control.nullspace=task", "control.position_gain=0.2"):
+        assert off_force("control.inverse=transpose", way) < bound
