@@ -53,10 +53,12 @@ def test_commands_run(commands: list[str], tmp_path: Path) -> None:
 
 
 def _alike(line: str) -> str:
-    """A line without what may be otherwise on another machine: numbers, how a trial ended, and what was said of it."""
+    """A line without what may be otherwise on another machine: numbers, how a trial ended, what was said of it, and how
+    wide a table is for that."""
     ending = "|".join(Outcome)
     line = re.sub(rf"^({ending}) +(?!\d)\S.*", "outcome and why", line)
-    return re.sub(r"\d[\d.]*", "1", " ".join(re.sub(rf"^({ending}) ", "outcome ", line).split()))
+    line = re.sub("─+", "─", line)
+    return re.sub(r"-?\d[\d.]*", "1", " ".join(re.sub(rf"^({ending}) ", "outcome ", line).split()))
 
 
 @pytest.mark.parametrize(("command", "text"), blocks("printed"))
