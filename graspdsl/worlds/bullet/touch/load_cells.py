@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross
 from graspdsl.spec.sensing import LoadCell
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.touch.sensor import Clock, Contact, Frames, RestReadings, signal_of
@@ -64,8 +65,8 @@ class LoadCells:
         for tip, (_, rotation), raw in zip(self._hand.tips, frames, self._signal.read(step), strict=True):
             # The joint answers what it holds up against: minus the object's load and the weight of the tip.
             weight = tip.mass * (rotation.T @ self._weight)
-            moment = -raw[3:] + np.cross(tip.weight_lever, -raw[:3])
-            loads.append(np.concatenate([-raw[:3] - weight, moment - np.cross(tip.weight_lever, weight)]))
+            moment = -raw[3:] + cross(tip.weight_lever, -raw[:3])
+            loads.append(np.concatenate([-raw[:3] - weight, moment - cross(tip.weight_lever, weight)]))
         return np.array(loads)
 
     def strengths(self, step: int, frames: Frames) -> Array:
