@@ -98,7 +98,7 @@ class _Sizes:
     def _widths(self) -> Iterator[tuple[float, float]]:
         """How wide the object is and how deep there, before its parts, across the normals of the palm in all starts."""
         shape = self._body.shape
-        normals = np.unique([rotation[:, 2] for _, rotation in self._poses], axis=0)
+        normals = [np.array(normal) for normal in {tuple(rotation[:, 2].tolist()) for _, rotation in self._poses}]
         for normal in normals:
             yield from _across(shape.support, normal)
         if isinstance(shape, Bottle | Compound | TriangleMesh):
