@@ -14,8 +14,8 @@ from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.facets import convex_parts
-from graspdsl.objects.shapes import Body, Bottle, Box, Compound, Cylinder, Sphere, TriangleMesh
-from graspdsl.objects.standing import fall_of
+from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
+from graspdsl.objects.standing import AT_REST, STANDING, fall_of
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.document import Document
@@ -25,7 +25,6 @@ from graspdsl.spec.trials import PARAMETERS
 from graspdsl.worlds.protocol import TABLE_SIZE
 from graspdsl.worlds.start_pose import UP, pose
 
-STANDING = math.radians(5.0)  # by which an object that stands may tilt
 AROUND = 24  # directions about the normal of the palm in which an object's width is looked at
 OBLIQUE = 0.75  # cosine of an angle
 ASIDE = 1e-4
@@ -64,14 +63,14 @@ class _Sizes:
             self._palm()
 
     def _falls(self) -> bool:
-        if isinstance(self._body.shape, Cylinder | Box | Sphere):  # these rest as they are put down
+        if isinstance(self._body.shape, AT_REST):
             return False
-        fall = fall_of(self._body.shape)
+        fall = math.degrees(fall_of(self._body.shape))
         if fall > STANDING:
             self._warn_of_object(
                 "object-falls",
-                f"the object does not stand: put on the table as it is, it tips over by {math.degrees(fall):.0f}°",
-                "turn it in its file so that it stands, or add 'fixed: true' to the object",
+                f"the object does not stand: put on the table as it is, it tips over by {fall:.0f}°",
+                "put it on a broader side, or add 'fixed: true' to the object",
             )
         return fall > STANDING
 
