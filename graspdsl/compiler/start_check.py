@@ -84,12 +84,12 @@ class _Sizes:
                 return False
             found.append((width, depth))
         width, depth = min(found)
-        wide = max((gap for gap, ahead in openings if ahead >= depth), default=0.0)
+        gaps = openings[openings[:, 1] >= depth, 0]
         where = f" as far ahead of its palm as that is ({1000 * depth:.0f} mm)" if depth > 0.001 else ""
+        opens = f"opens to {1000 * gaps.max():.0f} mm" if len(gaps) else "has no two fingertips"
         self._warn_of_object(
             "object-too-wide",
-            f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._hand.hand} opens to "
-            f"{1000 * wide:.0f} mm{where}",
+            f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._hand.hand} {opens}{where}",
             "use a smaller object, a larger hand, or another approach",
         )
         return True
