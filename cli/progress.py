@@ -86,9 +86,8 @@ class TrialProgress(Progress):
             say(self._line())
 
     def _note(self) -> str:
-        return ", ".join([*(f"{count} {name}" for name, count in self._outcomes.most_common()), self._drawing]).strip(
-            ", "
-        )
+        told = [f"{count} {name}" for name, count in self._outcomes.most_common()]
+        return ", ".join([*told, *filter(None, [self._drawing])])
 
 
 def _duration(seconds: float) -> str:

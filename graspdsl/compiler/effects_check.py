@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations, product
 from operator import attrgetter
 from typing import get_args
@@ -29,7 +28,7 @@ from graspdsl.compiler.pipeline import Pipeline, fingerprint
 from graspdsl.compiler.settings import Target, target_of
 from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.descriptions import Robot
-from graspdsl.hands.fingertip_motion import FingertipMotion, Press
+from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.constructing import Path
@@ -46,6 +45,7 @@ VANISHED = 1e-9  # of a displacement, that is left of it by a null space it has 
 def check_effects(
     spec: Spec,
     robot: Robot,
+    motion: FingertipMotion | None,
     phases: Sequence[CheckedPhase | None],
     body: Body | None,
     document: Document,
@@ -53,21 +53,25 @@ def check_effects(
 ) -> None:
     """Warn of end conditions that always or never hold, and of settings, forces and priorities without effect.
 
-    ``phases``: one for each of the spec's, None for a faulty one; ``body``: None when the object is not known.
+    ``motion``: None where contacts have no hand; ``phases``: one for each of the spec's, None for a faulty one;
+    ``body``: None when the object is not known.
     """
-    check = _Check(spec, robot, target_of(spec, robot), body, document, complaints)
+    check = _Check(spec, robot, motion, target_of(spec, robot), body, document, complaints)
+    compiled = list[Pipeline]()
     for index, (settings, phase) in enumerate(zip(spec.program, phases, strict=True)):
         check.times(index, settings, phase)
         if phase is not None:
+            pipelines = phase.pipelines(check.target)
+            compiled += pipelines
             check.conditions(index, settings.until, phase)
             check.stages(index, settings, phase)
-            check.priorities(index, phase)
+            check.priorities(index, phase, pipelines)
     check.scene()
     check.forces(phases)
     sound = [phase for phase in phases if phase is not None]
     check.damping(sound)
     if len(sound) == len(phases):
-        check.control(sound)
+        check.control(sound, compiled)
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,7 @@ class _Pressed:
 class _Check:
     spec: Spec
     robot: Robot
+    motion: FingertipMotion | None
     target: Target
     body: Body | None
     document: Document
@@ -175,10 +180,10 @@ class _Check:
 
     # --- priorities ---------------------------------------------------------------------------------------------
 
-    def priorities(self, index: int, phase: CheckedPhase) -> None:
+    def priorities(self, index: int, phase: CheckedPhase, pipelines: Sequence[Pipeline]) -> None:
         """Lower levels of which the higher ones leave nothing, and force below what moves the same contacts."""
         path: Path = ("program", index, "run")
-        gone = dict(self._nothing_left(phase.pipelines(self.target)))
+        gone = dict(self._nothing_left(pipelines))
         yielding = dict(pair for graph in phase.executed(self.target) for pair in _yielding_forces(graph, self.robot))
         for force, other in yielding.items():
             left = "nothing is left of it" if force in gone else "where the two disagree, it is the force that yields"
@@ -221,12 +226,13 @@ class _Check:
 
     def forces(self, phases: Sequence[CheckedPhase | None]) -> None:
         """Forces beyond what the fingers can press with, and those under which a touch ends."""
-        if self.target.floats or not self.robot.has_model:
+        if self.motion is None:
             return
+        presses = self.motion.strongest()
         asked = [(index, force) for index, phase in enumerate(phases) if phase for force in self._pressed(phase)]
         ends, told = self.spec.scene.sensor.touch.ends, set[str]()
         for index, force in asked:
-            name, press = self.robot.contacts[force.contact], self._presses[force.contact]
+            name, press = self.robot.contacts[force.contact], presses[force.contact]
             asks = f"{force.label} asks {name} for {force.size:g} N"
             if force.label in told:
                 continue
@@ -247,11 +253,11 @@ class _Check:
     def damping(self, phases: Sequence[CheckedPhase]) -> None:
         """A pseudo-inverse does σ²/(σ² + λ²) of a step along a singular direction; less than half where λ > σ."""
         control, spaces = self.spec.control, {node.potential.space for node in self._nodes(phases)}
-        if self.target.floats or not self.robot.has_model or control.inverse != "pseudo-inverse":
+        if self.motion is None or control.inverse != "pseudo-inverse":
             return
         for space, turning in ((TaskSpace.POSITION, False), (TaskSpace.ORIENTATION, True)):
             if space in spaces:
-                largest = self._motion.largest_singular_value(turning, control.damping)
+                largest = self.motion.largest_singular_value(turning, control.damping)
                 if largest < control.damping:
                     share = largest**2 / (largest**2 + control.damping**2)
                     message = f"a damping of {control.damping:g} leaves at most {100 * share:.2g} % of each step: the "
@@ -260,8 +266,8 @@ class _Check:
                     self._warn("over-damped", message, ("control", "damping"), hint)
                     return
 
-    def control(self, phases: Sequence[CheckedPhase]) -> None:
-        """Gains of zero, and settings that no pipeline of the program depends on."""
+    def control(self, phases: Sequence[CheckedPhase], pipelines: Sequence[Pipeline]) -> None:
+        """Gains of zero, and settings that no pipeline of the program depends on: those of all phases, as they are."""
         control, spaces = self.spec.control, {node.potential.space for node in self._nodes(phases)}
         idle = {
             "moment_gain": (control.moment_gain, TaskSpace.NET_MOMENT, "φ_mr", "moves no contact"),
@@ -271,7 +277,7 @@ class _Check:
             if gain == 0.0 and space in spaces:
                 self._warn("no-effect", f"with {name} 0, {potential} {consequence}", ("control", name), "leave it out")
         waits = any(p.until.force_residual or p.until.moment_residual for p in self.spec.program)
-        as_set = _numbers(phases, self.target)
+        as_set = _numbers(pipelines)
         for name in sorted(control.model_fields_set):
             watched = name == "curvature_radius" and waits  # it weighs the residuals that must fall
             if getattr(control, name) is not None and not watched and not self._matters(name, phases, as_set):
@@ -283,26 +289,18 @@ class _Check:
         field, value = Control.model_fields[name], getattr(self.spec.control, name)
         others = get_args(field.annotation) if isinstance(value, str) else (2.0 * value if value else 1.0,)
         changed = (self.spec.control.model_copy(update={name: other}) for other in others if other != value)
-        specs = (self.spec.model_copy(update={"control": control}) for control in changed)
-        return any(_numbers(phases, target_of(spec, self.robot)) != as_set for spec in specs)
+        targets = (target_of(self.spec.model_copy(update={"control": control}), self.robot) for control in changed)
+        compiled = ([pipeline for phase in phases for pipeline in phase.pipelines(target)] for target in targets)
+        return any(_numbers(pipelines) != as_set for pipelines in compiled)
 
     def _nodes(self, phases: Sequence[CheckedPhase]) -> Iterator[ControllerNode]:
         for phase in phases:
             for graph in phase.executed(self.target):
                 yield from controllers_in(graph)
 
-    @cached_property
-    def _presses(self) -> tuple[Press | None, ...]:
-        return self._motion.strongest()
 
-    @cached_property
-    def _motion(self) -> FingertipMotion:
-        return FingertipMotion(self.robot)
-
-
-def _numbers(phases: Sequence[CheckedPhase], target: Target) -> object:
-    """All that the pipelines of phases compute, to be compared."""
-    pipelines = [pipeline for phase in phases for pipeline in phase.pipelines(target)]
+def _numbers(pipelines: Sequence[Pipeline]) -> object:
+    """All that pipelines compute, to be compared."""
     return [[(fingerprint(step.function), step.inputs, step.reading) for step in made.steps] for made in pipelines]
 
 

@@ -27,6 +27,7 @@ from graspdsl.compiler.start_check import check_sizes
 from graspdsl.compiler.trials_check import check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
+from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
 from graspdsl.hands.mount_check import taken_names
 from graspdsl.notation.names import canonical
@@ -109,9 +110,11 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
-        check_effects(spec, check.robot, phases, thing and thing[0], document, complaints)
-        if thing is not None and check.robot.has_model and not WORLDS[spec.scene.world].floats:
-            check_sizes(spec, check.robot, thing[0], document, complaints)
+        floats = WORLDS[spec.scene.world].floats or not check.robot.has_model
+        motion = None if floats else FingertipMotion(check.robot)
+        check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
+        if thing is not None and motion is not None:
+            check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
     diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
     if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from functools import cached_property
 
 import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.hands.descriptions import Robot
+from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.facets import convex_parts
-from graspdsl.objects.shapes import Body, Bottle, Box, Compound, Cylinder, Sphere, TriangleMesh
-from graspdsl.objects.standing import fall_of
+from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
+from graspdsl.objects.standing import AT_REST, STANDING, fall_of
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import InlineObject
+from graspdsl.spec.trials import PARAMETERS
 from graspdsl.worlds.protocol import TABLE_SIZE
 from graspdsl.worlds.start_pose import UP, pose
 
-STANDING = math.radians(5.0)  # by which an object that stands may tilt
 AROUND = 24  # directions about the normal of the palm in which an object's width is looked at
 OBLIQUE = 0.75  # cosine of an angle
 ASIDE = 1e-4
@@ -31,21 +32,24 @@ SPREAD = 3.0  # standard deviations that are looked at
 START: Path = ("trials", "start")
 
 
-def check_sizes(spec: Spec, robot: Robot, body: Body, document: Document, complaints: Complaints) -> None:
+def check_sizes(
+    spec: Spec, hand: Hand, motion: FingertipMotion, body: Body, document: Document, complaints: Complaints
+) -> None:
     """Warn of objects that do not stand or that no hand takes, and of palms that are nowhere near the object."""
-    _Sizes(spec, robot, body, document, complaints).all()
+    _Sizes(spec, hand, motion, body, document, complaints).all()
 
 
 class _Sizes:
-    def __init__(self, spec: Spec, robot: Robot, body: Body, document: Document, complaints: Complaints) -> None:
-        self._robot, self._body = robot, body
+    def __init__(
+        self, spec: Spec, hand: Hand, motion: FingertipMotion, body: Body, document: Document, complaints: Complaints
+    ) -> None:
+        self._hand, self._motion, self._body = hand, motion, body
         self._document, self._complaints = document, complaints
         self._start, self._thing = spec.trials.start, spec.scene.object
         gridded: dict[str, tuple[float, float]] = {
             axis.parameter: (axis.middle(0), axis.middle(axis.cells - 1)) for axis in spec.trials.grid or ()
         }
-        names = ("roll", "height", "standoff", "yaw", "offset", "tilt")
-        self._ends = {name: gridded.get(name) or _ends(getattr(self._start, name)) for name in names}
+        self._ends = {name: gridded.get(name) or _ends(getattr(self._start, name)) for name in PARAMETERS}
 
     def all(self) -> None:
         extent = self._body.shape.extent
@@ -59,39 +63,46 @@ class _Sizes:
             self._palm()
 
     def _falls(self) -> bool:
-        if isinstance(self._body.shape, Cylinder | Box | Sphere):  # these rest as they are put down
+        if isinstance(self._body.shape, AT_REST):
             return False
-        fall = fall_of(self._body.shape)
+        fall = math.degrees(fall_of(self._body.shape))
         if fall > STANDING:
             self._warn_of_object(
                 "object-falls",
-                f"the object does not stand: put on the table as it is, it tips over by {math.degrees(fall):.0f}°",
-                "turn it in its file so that it stands, or add 'fixed: true' to the object",
+                f"the object does not stand: put on the table as it is, it tips over by {fall:.0f}°",
+                "put it on a broader side, or add 'fixed: true' to the object",
             )
         return fall > STANDING
 
     def _is_too_wide(self) -> bool:
         """Whether no pair of fingertips can be on both sides of the object, or of a part of it."""
-        openings, shape = FingertipMotion(self._robot).openings(), self._body.shape
-        if len(openings) == 0:
+        openings, found = self._motion.openings(), list[tuple[float, float]]()
+        if len(openings) == 0:  # of one fingertip
             return False
-        normals = [rotation[:, 2] for _, rotation in self._poses()]
-        across = [found for normal in normals for found in _across(shape.support, normal)]
-        if not _fits(across, openings) and isinstance(shape, Bottle | Compound | TriangleMesh):
-            parts = [hull.vertices for hull in convex_parts(shape)]
-            across += [found for normal in normals for part in parts for found in _across(_supports(part), normal)]
-        fits = _fits(across, openings)
-        if not fits:
-            width, depth = min(across)
-            wide = max((gap for gap, ahead in openings if ahead >= depth), default=0.0)
-            where = f" as far ahead of its palm as that is ({1000 * depth:.0f} mm)" if depth > 0.001 else ""
-            self._warn_of_object(
-                "object-too-wide",
-                f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._robot.hand.hand} opens to "
-                f"{1000 * wide:.0f} mm{where}",
-                "use a smaller object, a larger hand, or another approach",
-            )
-        return not fits
+        for width, depth in self._widths():
+            if ((openings[:, 0] >= width) & (openings[:, 1] >= depth)).any():
+                return False
+            found.append((width, depth))
+        width, depth = min(found)
+        gaps = openings[openings[:, 1] >= depth, 0]
+        where = f" as far ahead of its palm as that is ({1000 * depth:.0f} mm)" if depth > 0.001 else ""
+        opens = f"opens to {1000 * gaps.max():.0f} mm" if len(gaps) else "has no two fingertips"
+        self._warn_of_object(
+            "object-too-wide",
+            f"the object is {1000 * width:.0f} mm wide at the least, but the hand {self._hand.hand} {opens}{where}",
+            "use a smaller object, a larger hand, or another approach",
+        )
+        return True
+
+    def _widths(self) -> Iterator[tuple[float, float]]:
+        """How wide the object is and how deep there, before its parts, across the normals of the palm in all starts."""
+        shape = self._body.shape
+        normals = [np.array(normal) for normal in {tuple(rotation[:, 2].tolist()) for _, rotation in self._poses}]
+        for normal in normals:
+            yield from _across(shape.support, normal)
+        if isinstance(shape, Bottle | Compound | TriangleMesh):
+            for normal, part in itertools.product(normals, convex_parts(shape)):
+                yield from _across(part.support, normal)
 
     def _palm(self) -> None:
         """Where the middle of the palm is, in all starts."""
@@ -104,14 +115,14 @@ class _Sizes:
                 f"a palm that faces the object's side is at most {top:.3g} m high",
             )
             return
-        reach = FingertipMotion(self._robot).reach()
+        reach = self._motion.reach()
         if standoff > reach:
             self._warn_of_start(
                 "standoff",
                 f"the palm is {standoff:g} m or more from the object, but the fingers reach {reach:.3g} m ahead of it",
                 f"use a standoff below {reach:.3g} m",
             )
-        palms = [place + self._robot.hand.palm_surface * rotation[:, 2] for place, rotation in self._poses()]
+        palms = [place + self._hand.palm_surface * rotation[:, 2] for place, rotation in self._poses]
         if all(palm[2] < 0.0 for palm in palms):
             self._warn_of_start("height", "the palm is below the table in every start", "heights are above the table")
         elif all(self._is_inside(palm) for palm in palms):
@@ -126,12 +137,15 @@ class _Sizes:
         sides = (np.array([math.cos(heading), math.sin(heading), 0.0]) for heading in headings)
         return bool(0.0 < point[2] < shape.extent[2] and all(side @ point < shape.support(side) for side in sides))
 
-    def _poses(self) -> Iterator[tuple[Array, Array]]:
+    @cached_property
+    def _poses(self) -> list[tuple[Array, Array]]:
         """The hand's poses at the ends of all the ranges of a start."""
+        poses = []
         for values in itertools.product(*(sorted(set(ends)) for ends in self._ends.values())):
             drawn = dict(zip(self._ends, values, strict=True))
-            start = pose(self._start.approach or "side", drawn, self._body, self._robot.hand.palm_surface)
-            yield start.position, start.rotation
+            start = pose(self._start.approach or "side", drawn, self._body, self._hand.palm_surface)
+            poses.append((start.position, start.rotation))
+        return poses
 
     def _warn_of_object(self, code: str, message: str, hint: str) -> None:
         self._warn(code, message, ("scene", "object"), hint)
@@ -176,13 +190,3 @@ def _across(support: Callable[[Array], float], normal: Array) -> Iterator[tuple[
         # The derivative of a support function in a direction is how far the shape reaches that way there.
         near = [(support(end - ASIDE * normal) - size) / ASIDE for end, size in zip(ends, sizes, strict=True)]
         yield sum(sizes), nearest - min(near)
-
-
-def _supports(vertices: Array) -> Callable[[Array], float]:
-    """The support function of the hull of some vertices (v, 3) [m]."""
-    return lambda direction: float((vertices @ direction).max())
-
-
-def _fits(across: Sequence[tuple[float, float]], openings: Array) -> bool:
-    """Whether a pair of fingertips opens as wide, as far ahead of the palm, as a shape is in some direction."""
-    return any(bool(((openings[:, 0] >= wide) & (openings[:, 1] >= deep)).any()) for wide, deep in across)

@@ -20,6 +20,7 @@ from graspdsl.hands.urdf_rules import FIXED, ROTATING
 from graspdsl.spec.document import Document
 
 DIRECTIONS = 4000  # about 3 degrees apart
+PORTIONS = 128  # of them, for each of which all corners of a mesh are looked at together
 EQUAL = 1e-6  # m, between two spheres or two capsules: files have few digits
 # m, between a round shape and what stands for it, as facets do: a fingertip gives way by as much under 1 N.
 ALIKE = 2.0 / 3.0 * 1e-3
@@ -182,8 +183,8 @@ class _Check:
                 return np.asarray(numbers["length"] / 2.0 * np.abs(along[:, 2]) + numbers["radius"] * across)
             case "capsule":
                 return np.asarray(numbers["length"] / 2.0 * np.abs(along[:, 2]) + numbers["radius"])
-        corners = self._corners[shape.get("filename", "")] * numbers.get("scale", 1.0)
-        return np.array([(corners @ direction).max() for direction in along])
+        corners = np.unique(self._corners[shape.get("filename", "")] * numbers.get("scale", 1.0), axis=0)
+        return np.concatenate([(some @ corners.T).max(axis=1) for some in np.array_split(along, PORTIONS)])
 
     def _said(
         self, code: str, message: str, path: tuple[str, ...], hint: str, severity: Severity = Severity.ERROR

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
-from operator import attrgetter
 from xml.etree import ElementTree
 
 import numpy as np
@@ -85,74 +85,74 @@ class FingertipMotion:
             turns = joint.get("type") in ROTATING
             yield _Mover(name, *pose_of(joint), axis / np.linalg.norm(axis), turns, self._rows.get(name), carries)
 
-    def _columns(self, joints: Array) -> tuple[Array, Array]:
-        """Linear and angular Jacobians (k, 3, m) of the fingertips' centres, by all m joints that move."""
-        places = self._coupling @ joints
-        linear = np.zeros((len(self._chains), 3, len(places)))
+    def _moved(self, joints: Array) -> tuple[Array, Array, Array]:
+        """The fingertips' centres (..., k, 3) [m] at joints (..., n), in the frame of the hand's root, and their linear
+        and angular Jacobians (..., k, 3, m) by all m joints that move, in that of the robot's."""
+        places = joints @ self._coupling.T
+        centres = np.zeros((*joints.shape[:-1], len(self._chains), 3))
+        linear = np.zeros((*centres.shape, places.shape[-1]))
         angular = np.zeros_like(linear)
-        for contact, chain, jacobian, turning in zip(
-            self._robot.hand.contacts.values(), self._chains, linear, angular, strict=True
-        ):
-            origin, frame, axes = np.zeros(3), np.eye(3), list[tuple[_Mover, Array, Array]]()
+        for tip, (contact, chain) in enumerate(zip(self._robot.hand.contacts.values(), self._chains, strict=True)):
+            origin: Array = np.zeros(3)
+            frame: Array = np.eye(3)
+            root, axes = (origin, frame), list[tuple[_Mover, Array, Array]]()
             for mover in chain:
                 origin, frame = origin + frame @ mover.place, frame @ mover.rotation
-                if mover.row is None:
-                    continue
-                axis, place = frame @ mover.axis, float(places[mover.row])
-                axes.append((mover, origin, axis))
-                if mover.turns:
-                    frame = frame @ exponential(place * mover.axis)
-                else:
-                    origin = origin + place * axis
-            tip = origin + frame @ np.array(contact.shape.centre)
-            for mover, root, axis in axes:
-                jacobian[:, mover.row] = cross(axis, tip - root) if mover.turns else axis
-                turning[:, mover.row] = axis if mover.turns else 0.0
-        return linear, angular
+                if mover.row is not None:
+                    axis, place = frame @ mover.axis, places[..., mover.row, None]
+                    axes.append((mover, origin, axis))
+                    if mover.turns:
+                        frame = frame @ exponential(place * mover.axis)
+                    else:
+                        origin = origin + place * axis
+                if mover.carries:
+                    root = origin, frame
+            point = origin + frame @ np.array(contact.shape.centre)
+            centres[..., tip, :] = ((point - root[0])[..., None, :] @ root[1])[..., 0, :]
+            for mover, place, axis in axes:
+                linear[..., tip, :, mover.row] = cross(axis, point - place) if mover.turns else axis
+                angular[..., tip, :, mover.row] = axis if mover.turns else 0.0
+        return centres, linear, angular
 
     def centres(self, joints: Array) -> Array:
-        """The fingertips' centres (k, 3) [m] in the frame of the hand's root, at joints (n,)."""
-        places, found = self._coupling @ joints, []
-        for contact, chain in zip(self._robot.hand.contacts.values(), self._chains, strict=True):
-            point = np.array(contact.shape.centre)
-            for mover in reversed([mover for mover in chain if not mover.carries]):
-                moved = 0.0 if mover.row is None else float(places[mover.row])
-                point = exponential(moved * mover.axis) @ point if mover.turns else point + moved * mover.axis
-                point = mover.place + mover.rotation @ point
-            found.append(point)
-        return np.array(found)
+        """The fingertips' centres (..., k, 3) [m] in the frame of the hand's root, at joints (..., n)."""
+        return self._moved(joints)[0]
+
+    def jacobians(self, joints: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (..., k, 3, n) of the fingertips' centres, at joints (..., n)."""
+        _, linear, angular = self._moved(joints)
+        return linear @ self._coupling, angular @ self._coupling
 
     def reach(self) -> float:
         """The largest distance [m] of a fingertip's surface ahead of the palm's, as the fingers open and close."""
-        ahead = [float((self.centres(joints)[:, 2] + self._radii()).max()) for joints in self._closing(FINE)]
-        return max(ahead) - self._robot.hand.palm_surface
+        return float((self._path[..., 2] + self._radii).max()) - self._robot.hand.palm_surface
 
     def openings(self) -> Array:
         """How wide every two fingertips are apart as the fingers open and close, and how far ahead of the palm.
 
         (m, 2) [m]: the gap between their surfaces, and the least distance of their centres from the palm's surface.
         """
-        radii, surface, found = self._radii(), self._robot.hand.palm_surface, []
-        for centres in map(self.centres, self._closing(FINE)):
-            for a, b in combinations(range(len(centres)), 2):
-                gap = float(np.linalg.norm(centres[a] - centres[b])) - radii[a] - radii[b]
-                found.append((gap, float(min(centres[a, 2], centres[b, 2])) - surface))
-        return np.array(found).reshape(-1, 2)
+        one, other = np.array(list(combinations(range(len(self._radii)), 2)), dtype=int).reshape(-1, 2).T
+        apart = np.linalg.norm(self._path[:, one] - self._path[:, other], axis=-1)
+        gaps = apart - self._radii[one] - self._radii[other]
+        ahead = np.minimum(self._path[:, one, 2], self._path[:, other, 2]) - self._robot.hand.palm_surface
+        return np.stack([gaps, ahead], axis=-1).reshape(-1, 2)
 
+    @cached_property
+    def _path(self) -> Array:
+        """The fingertips' centres (FINE, k, 3) [m] as the fingers close."""
+        return self.centres(self._closing(FINE))
+
+    @cached_property
     def _radii(self) -> Array:
         """How far the surface of each fingertip is from its centre [m], at the least."""
         shapes = [contact.shape for contact in self._robot.hand.contacts.values()]
         return np.array([min(shape.semi_axes) if isinstance(shape, EllipsoidTip) else shape.radius for shape in shapes])
 
-    def jacobians(self, joints: Array) -> tuple[Array, Array]:
-        """Linear and angular Jacobians (k, 3, n) of the fingertips' centres, at joints (n,)."""
-        linear, angular = self._columns(joints)
-        return linear @ self._coupling, angular @ self._coupling
-
-    def _closing(self, count: int = POSTURES) -> Iterator[Array]:
-        """Joints (n,) on the way from the open to the closed posture, the mount's at zero."""
+    def _closing(self, count: int) -> Array:
+        """Joints (count, n) on the way from the open to the closed posture, the mount's at zero."""
         opened, closed = self._posture("open"), self._posture("closed")
-        yield from (opened + share * (closed - opened) for share in np.linspace(0.0, 1.0, count))
+        return np.asarray(opened + np.linspace(0.0, 1.0, count)[:, None] * (closed - opened))
 
     def _posture(self, name: str) -> Array:
         places = self._robot.hand.postures.get(name, {})
@@ -164,47 +164,44 @@ class FingertipMotion:
         A force f along the unit direction d in which its finger closes asks each joint for the effort f d·∂x/∂q_j:
         the first that has no more ends it. None for a finger that does not close, or whose joints have no efforts.
         """
-        motion = self._posture("closed") - self._posture("open")
-        motions = [
-            np.where(np.isin(list(self._robot.joints), contact.finger), motion, 0.0)
-            for contact in self._robot.hand.contacts.values()
-        ]
-        places = [self._columns(joints)[0] for joints in self._closing()]
-        found = [
-            [self._press(columns[contact], self._coupling @ own) for columns in places]
-            for contact, own in enumerate(motions)
-        ]
-        return tuple(max(filter(None, presses), key=attrgetter("force"), default=None) for presses in found)
+        motion, names = self._posture("closed") - self._posture("open"), list(self._robot.joints)
+        _, linear, _ = self._moved(self._closing(POSTURES))
+        return tuple(
+            self._press(linear[:, tip], self._coupling @ np.where(np.isin(names, contact.finger), motion, 0.0))
+            for tip, contact in enumerate(self._robot.hand.contacts.values())
+        )
 
     def _press(self, columns: Array, motion: Array) -> Press | None:
-        """The strongest press of a fingertip with these columns (3, m) along what a motion (m,) does to it."""
+        """The strongest press of a fingertip with these columns (p, 3, m), along what a motion (m,) does to it."""
         along = columns @ motion
-        length = float(np.linalg.norm(along))
-        levers = np.abs(along @ columns) / length if length > 0.0 else np.zeros_like(motion)
+        lengths = np.linalg.norm(along, axis=-1, keepdims=True)
+        levers = np.abs(along[:, None, :] @ columns)[:, 0] / np.where(lengths > 0.0, lengths, 1.0)
         able = (levers > 0.0) & (self._efforts > 0.0)
         forces = np.where(able, self._efforts, np.inf) / np.where(able, levers, 1.0)
-        weakest = int(np.argmin(forces))
-        if not able[weakest]:
+        most = np.where(able.any(axis=-1), forces.min(axis=-1), -np.inf)
+        at = int(np.argmax(most))
+        if not able[at].any():
             return None
-        name, turns = list(self._rows)[weakest], bool(self._turns[weakest])
-        return Press(float(forces[weakest]), name, float(self._efforts[weakest]), float(levers[weakest]), turns)
+        weakest = int(np.argmin(forces[at]))
+        effort, lever = float(self._efforts[weakest]), float(levers[at, weakest])
+        return Press(float(most[at]), list(self._rows)[weakest], effort, lever, bool(self._turns[weakest]))
 
     def largest_singular_value(self, turning: bool, enough: float) -> float:
         """That of the Jacobian of all fingertips together, linear or of their turning, in scaled joint coordinates.
 
         The greatest over postures from open to closed and, for an arm, over places spread over the ranges of its
-        joints; or the first that is greater than ``enough``.
+        joints; or of the first places of an arm at which it is greater than ``enough``.
         """
         robot, largest = self._robot, 0.0
         weights, mount = np.array(robot.weights), np.isin(list(robot.joints), list(robot.mount.joints))
         lower, upper = (np.array(limits) for limits in joint_limits(robot))
         shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
         for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
-            for hand in self._closing():
-                jacobian = self.jacobians(np.where(mount, arm, hand))[turning] * weights
-                largest = max(largest, float(np.linalg.norm(jacobian.reshape(-1, len(weights)), 2)))
-                if largest > enough:
-                    return largest
+            jacobian = self.jacobians(np.where(mount, arm, self._closing(POSTURES)))[turning] * weights
+            stacked = jacobian.reshape(POSTURES, -1, len(weights))
+            largest = max(largest, float(np.linalg.norm(stacked, 2, axis=(-2, -1)).max()))
+            if largest > enough:
+                break
         return largest
 
 

@@ -53,7 +53,7 @@ def _stl_corners(name: str, content: bytes) -> Array:
     corners = faces[:, 12:48].copy().view("<f4").reshape(-1, 3)
     if not np.isfinite(corners).all():
         raise refusal("bad-mesh", f"{name} has corners whose coordinates are no numbers", AGAIN)
-    return np.unique(corners.astype(float), axis=0)
+    return corners.astype(float)
 
 
 def _obj_corners(name: str, content: bytes) -> Array:

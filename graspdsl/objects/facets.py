@@ -40,6 +40,10 @@ class Hull:
         """The hull turned by a rotation (3, 3) about the origin, then moved by a position (3,) [m]."""
         return Hull(self.vertices @ rotation.T + position, self.margin)
 
+    def support(self, direction: Array) -> float:
+        """How far the hull reaches along a unit vector (3,) from the origin [m]."""
+        return float((self.vertices @ direction).max()) + self.margin
+
 
 @cache
 def convex_parts(shape: Shape) -> tuple[Hull, ...]:

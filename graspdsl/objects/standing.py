@@ -8,12 +8,15 @@ from collections.abc import Callable
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Shape
+from graspdsl.basis.algebra import cross
+from graspdsl.objects.shapes import Box, Cylinder, Shape, Sphere
 from graspdsl.objects.solid import solid_of
 
+AT_REST = (Cylinder, Box, Sphere)  # shapes that rest as they are put down
+STANDING = 5.0  # degrees by which an object that stands may tilt
 NUDGE = 0.01  # rad by which what balances is pushed
 STEPS = (0.02, 0.005, 0.001)  # rad
-AROUND = 16  # ways in which it may tip
+WAYS = 2.0 * np.pi * np.arange(16)[:, None] / 16  # rad, in which it may tip
 SLOPE = 1e-4  # of the height over the size, by an angle: what is less steep lies still
 
 
@@ -31,8 +34,8 @@ def fall_of(shape: Shape) -> float:
 
     upright = np.array([0.0, 0.0, -1.0])
     least = SLOPE * NUDGE * max(shape.extent)
-    nudged = [_tipped(upright, way, NUDGE) for way in range(AROUND)]
-    ends = [_rest(height, down, max(shape.extent)) for down in nudged if height(down) < height(upright) - least]
+    nudged = (down for down in _tipped(upright, NUDGE) if height(down) < height(upright) - least)
+    ends = [_rest(height, down, max(shape.extent)) for down in nudged]
     return max((math.acos(float(np.clip(end @ upright, -1.0, 1.0))) for end in ends), default=0.0)
 
 
@@ -41,7 +44,7 @@ def _rest(height: Callable[[Array], float], down: Array, size: float) -> Array:
     lowest = height(down)
     for step in STEPS:
         while True:
-            tried = [_tipped(down, way, step) for way in range(AROUND)]
+            tried = _tipped(down, step)
             heights = [height(direction) for direction in tried]
             best = int(np.argmin(heights))
             if heights[best] > lowest - SLOPE * step * size:
@@ -50,10 +53,9 @@ def _rest(height: Callable[[Array], float], down: Array, size: float) -> Array:
     return down
 
 
-def _tipped(down: Array, way: int, angle: float) -> Array:
-    """A direction (3,) turned by an angle [rad] in one of the ways."""
-    aside = np.cross(down, np.eye(3)[int(np.argmin(np.abs(down)))])
+def _tipped(down: Array, angle: float) -> Array:
+    """A direction (3,) turned by an angle [rad] in each of the WAYS (16, 3)."""
+    aside = cross(down, np.eye(3)[int(np.argmin(np.abs(down)))])
     aside /= np.linalg.norm(aside)
-    turn = 2.0 * math.pi * way / AROUND
-    tangent = math.cos(turn) * aside + math.sin(turn) * np.cross(down, aside)
-    return math.cos(angle) * down + math.sin(angle) * tangent
+    tangents = np.cos(WAYS) * aside + np.sin(WAYS) * cross(down, aside)
+    return np.asarray(math.cos(angle) * down + math.sin(angle) * tangents)

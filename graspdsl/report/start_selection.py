@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import norm
 
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.trials import Trials
+from graspdsl.spec.trials import PARAMETERS, Trials
 from graspdsl.trials.record import TrialRecord
 
 QUANTILES = (0.05, 0.5, 0.95)
@@ -45,7 +45,7 @@ def _asked(trials: Trials, records: Sequence[TrialRecord]) -> list[tuple[str, st
     """The numbers of a start that differ from trial to trial, their units and their quantiles as asked for."""
     start, gridded = trials.start, {axis.parameter for axis in trials.grid or ()}
     asked: list[tuple[str, str, list[float] | None]] = []
-    for name in ("roll", "height", "standoff", "yaw", "offset", "tilt"):
+    for name in PARAMETERS:
         unit = "rad" if name in ("roll", "yaw", "tilt") else "m"
         if name in gridded:
             asked.append((name, unit, _quantiles([getattr(trials.start_of(r.number), name) for r in records])))

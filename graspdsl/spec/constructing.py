@@ -103,7 +103,7 @@ class Constructor:
         if bad:
             line, column = source_text(self._lines, piece).places[bad.start()]
             message = f"the text holds the control character U+{ord(bad.group()):04X}"
-            hint = "remove it; in single quotes a backslash is just a backslash"
+            hint = "remove this escape; in single quotes a backslash is just a backslash"
             span = Span(line, column, line, column + 2)
             self.faults.append((path, Diagnostic("bad-character", message, span, hint)))
             return None

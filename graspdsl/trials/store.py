@@ -72,9 +72,10 @@ class RunFolder:
         content = manifest.as_json()  # or refused, before there is anything to leave half made
         with folder._writing():
             path.mkdir(parents=True, exist_ok=True)
+            occupied = any(path.iterdir())
             try:
-                occupied = any(path.iterdir())
-                (path / TRAJECTORIES).mkdir()
+                if not occupied:
+                    (path / TRAJECTORIES).mkdir()
             except FileExistsError:  # another run was begun here at the same moment
                 occupied = True
             if occupied:

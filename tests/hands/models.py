@@ -50,12 +50,12 @@ postures:
 SPEC = """\
 graspdsl: 1
 name: two
-scene: {world: bullet, hand: hand.yaml, object: towel-roll, sensing: exact}
+scene: {world: bullet, hand: hand.yaml, object: {like: towel-roll, fixed: true}, sensing: exact}
 resources: {γ1: pad, γ2: thumb, Γ: "{γ1, γ2}"}
 parameters: {κ_f: 0.5}
 program:
   - {run: π_close|Γ Γ, until: {contact: all, hold: 0.1}, limit: 0.1}
-trials: {count: 1}
+trials: {count: 1, start: {standoff: 0.005}}
 """
 
 

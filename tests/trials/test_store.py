@@ -201,6 +201,13 @@ def test_two_runs_cannot_be_made_in_one_folder(folder: RunFolder) -> None:
     assert len(folder.records()) == 1
 
 
+def test_nothing_is_made_in_a_folder_that_holds_something(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").touch()
+    with pytest.raises(DiagnosticError, match="not empty"):
+        RunFolder.create(tmp_path, MANIFEST, "graspdsl: 1\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
 def test_a_file_in_the_way_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "run").write_text("mine")
     with pytest.raises(DiagnosticError, match="cannot write to this folder: file exists"):

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.standing import AT_REST, STANDING
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.scene import Anchor, Pose, Scene
 from graspdsl.worlds.protocol import UnstableObjectError
@@ -19,7 +20,6 @@ SETTLING_TIME = 4.0  # s, at most
 RESTING_TIME = 0.1  # s
 RESTING_SPEED = 1e-3  # m/s
 RESTING_RATE = 1e-2  # rad/s
-STANDING = 5.0  # degrees by which an object that stands may tilt
 # What balances on a tip falls when it is nudged: in this time a pendulum of 30 cm grows its angle a thousandfold.
 NUDGE = 0.02  # rad/s
 NUDGED_TIME = 1.2  # s
@@ -39,7 +39,7 @@ def resting_pose(body: Body, table_friction: float, gravity: float) -> Pose:
         engine.setTimeStep(TIME_STEP, client)
         engine.setGravity(0, 0, -gravity, client)
         trial = _Settling(engine, client, Scene(engine, client, body, table_friction, Anchor.NONE))
-        if not isinstance(body.shape, Cylinder | Box | Sphere):
+        if not isinstance(body.shape, AT_REST):
             trial.settle()
         return trial.pose
     finally:
