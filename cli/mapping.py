@@ -11,17 +11,17 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import reading, sound
-from graspdsl.cli.messages import if_interrupted, result, result_json, say
+from graspdsl.cli.inputs import InputError, examined, reading, sound
+from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
 from graspdsl.cli.tables import reasons_table, row, table, text_of
-from graspdsl.compiler.program import Program, program_of
+from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import on_one_line
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
 from graspdsl.report.map_files import FILES, map_files
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare, replace
-from graspdsl.spec.named_files import COPIES, folder_of_files
+from graspdsl.spec.named_files import COPIES
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
@@ -105,7 +105,12 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        program = program_of(source, spec.name, whole, folder_of_files(spec))
+        _, _, known = examined(spec, settings)
+        mapped, _, found = examined(spec, whole)
+    if mapped is None:
+        raise InputError(str(spec), source, found)
+    complain(str(spec), source, [diagnostic for diagnostic in found if diagnostic not in known])
+    program = mapped
     return finish_map(begin("map", program, source, spec.name, whole, out), workers, as_json)
 
 

@@ -145,9 +145,14 @@ class _Check:
             message += "its unit forces"
             self._warn("always-met", message, (*path, "force_residual"), "give a bound well below that, as 0.1")
         elif bound is not None and bound <= least + ROUNDING:
-            message = f"force_residual never gets below {bound:g}: of {grasp.label} it is at least {least:g}, for one "
-            message += "of its unit forces outweighs all others"
-            self._warn("never-met", message, (*path, "force_residual"), "let contacts oppose it: add them to the set")
+            why, hint = (
+                f"of {grasp.label} it is at least {least:g}, for one of its unit forces outweighs all others",
+                ("let contacts oppose it: add them to the set"),
+            )
+            if least <= ROUNDING:
+                why, hint = "rounding alone leaves as much", "give a bound that can be felt, as 0.1"
+            message = f"force_residual never gets below {bound:g}: {why}"
+            self._warn("never-met", message, (*path, "force_residual"), hint)
         self._moment(path, until, grasp)
         strongest = max(self._pressed(phase), key=attrgetter("size"), default=None)
         if until.force_error is not None and strongest is not None and until.force_error >= strongest.size - ROUNDING:
@@ -167,7 +172,8 @@ class _Check:
         if bound >= most - ROUNDING and diagonal >= SHORTEST:  # a smaller object has had its complaint
             message = f"moment_residual is always below {bound:g} m: of {grasp.label} on an object {diagonal:.3g} m "
             message += f"across it is at most {most:.3g} m"
-            self._warn("always-met", message, (*path, "moment_residual"), "give a bound well below that, as 0.005")
+            hint = "give a bound well below that, as 0.005" if most > ROUNDING else "leave it out: one contact has none"
+            self._warn("always-met", message, (*path, "moment_residual"), hint)
 
     def stages(self, index: int, settings: Phase, phase: CheckedPhase) -> None:
         """Hysteresis where no earlier stage has a residual to give up."""

@@ -122,6 +122,15 @@ class _Sizes:
                 f"the palm is {standoff:g} m or more from the object, but the fingers reach {reach:.3g} m ahead of it",
                 f"use a standoff below {reach:.3g} m",
             )
+        aside = min(map(abs, self._ends["offset"])) if np.prod(self._ends["offset"]) > 0.0 else 0.0
+        width = max(self._body.shape.extent) / 2 + self._motion.breadth()
+        if aside > width:
+            self._warn_of_start(
+                "offset",
+                f"the hand passes the object: it is {aside:g} m or more aside, where object and hand together reach "
+                f"{width:.3g} m",
+                f"use an offset below {width:.3g} m",
+            )
         palms = [place + self._hand.palm_surface * rotation[:, 2] for place, rotation in self._poses]
         if all(palm[2] < 0.0 for palm in palms):
             self._warn_of_start("height", "the palm is below the table in every start", "heights are above the table")

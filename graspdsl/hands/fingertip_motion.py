@@ -15,7 +15,7 @@ from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
 from graspdsl.hands.articulated_inertia import axis_of, pose_of
 from graspdsl.hands.descriptions import Robot, joint_limits
-from graspdsl.hands.fingertips import EllipsoidTip
+from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape
 from graspdsl.hands.urdf_rules import FIXED, ROTATING
 
 POSTURES, FINE = 9, 40  # from open to closed
@@ -64,6 +64,10 @@ class FingertipMotion:
         self._turns = [joint.get("type") in ROTATING for joint in moving]
         limits = [joint.find("limit") for joint in moving]
         self._efforts = np.array([0.0 if limit is None else float(limit.get("effort", "0")) for limit in limits])
+        ends = [
+            [0.0] if limit is None else [float(limit.get(end, "0")) for end in ("lower", "upper")] for limit in limits
+        ]
+        self._travels = [max(map(abs, places)) for places in ends]
         order = {name: column for column, name in enumerate(robot.joints)}
         self._coupling = np.zeros((len(moving), len(order)))
         for name, row in self._rows.items():
@@ -126,6 +130,21 @@ class FingertipMotion:
     def reach(self) -> float:
         """The largest distance [m] of a fingertip's surface ahead of the palm's, as the fingers open and close."""
         return float((self._path[..., 2] + self._radii).max()) - self._robot.hand.palm_surface
+
+    def breadth(self) -> float:
+        """The largest distance [m] of a fingertip's surface aside from the middle of the palm, as the fingers close."""
+        return float((np.linalg.norm(self._path[..., :2], axis=-1) + self._radii).max())
+
+    def span(self) -> float:
+        """A distance [m] from the hand's root beyond which no fingertip gets, whatever its joints: that of all links on
+        end, slides at their farther limits."""
+        spans = []
+        for contact, chain in zip(self._robot.hand.contacts.values(), self._chains, strict=True):
+            own = [mover for mover in chain if not mover.carries]
+            slid = sum(self._travels[mover.row] for mover in own if mover.row is not None and not mover.turns)
+            links = sum(float(np.linalg.norm(mover.place)) for mover in own)
+            spans.append(slid + links + float(np.linalg.norm(contact.shape.centre)) + _farthest(contact.shape))
+        return max(spans)
 
     def openings(self) -> Array:
         """How wide every two fingertips are apart as the fingers open and close, and how far ahead of the palm.
@@ -203,6 +222,16 @@ class FingertipMotion:
             if largest > enough:
                 break
         return largest
+
+
+def _farthest(shape: FingertipShape) -> float:
+    """How far a fingertip reaches from its centre [m], at the most."""
+    match shape:
+        case EllipsoidTip():
+            return max(shape.semi_axes)
+        case CapsuleTip():
+            return shape.radius + shape.length / 2
+    return shape.radius
 
 
 def _end(joint: ElementTree.Element, tag: str) -> str:

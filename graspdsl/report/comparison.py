@@ -18,8 +18,9 @@ from graspdsl.report.differences import (
     difference_of_shares,
     ratio_of_medians,
 )
+from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.statistics import median, wilson
-from graspdsl.report.summary import summary
+from graspdsl.report.summary import numbers_of
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
@@ -39,16 +40,17 @@ def comparison(folders: Sequence[RunFolder]) -> dict[str, Any]:
     ``orientation_difference``: the median of |difference| [rad] over pairs of converged trials. Raises
     DiagnosticError when a run cannot be read.
     """
-    runs = [(folder, folder.records()) for folder in folders]
+    gatherings = [gathered(folder) for folder in folders]  # read once: a run may grow meanwhile
+    runs = [(evidence.folder, list(evidence.records)) for evidence in gatherings]
     return {
         "measures": {name: measure.label for name, measure in MEASURES.items()},
-        "runs": [_column(*run) for run in runs],
+        "runs": [_column(evidence) for evidence in gatherings],
         "against_first": [_against(runs[0], other) for other in runs[1:]],
     }
 
 
-def _column(folder: RunFolder, records: Sequence[TrialRecord]) -> dict[str, Any]:
-    numbers = summary(folder)
+def _column(evidence: Evidence) -> dict[str, Any]:
+    numbers, records, folder = numbers_of(evidence), evidence.records, evidence.folder
     finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
     return {
         "name": numbers["name"],

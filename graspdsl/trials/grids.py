@@ -71,8 +71,10 @@ def _grid_axis(start: Start, wanted: WantedAxis) -> GridAxis:
         return GridAxis.model_validate({"parameter": name, "low": low, "high": high, "cells": wanted.cells})
     except ValidationError as error:
         first = error.errors()[0]
-        context = first.get("ctx", {})
-        raise refused("out-of-range", context.get("message", first["msg"]), context.get("hint")) from None
+        context, unit = first.get("ctx", {}), slot(Start, (name,)).unit
+        beyond = f"{name} is mapped from {low:g} to {high:g} {unit}: {first['msg'][:1].lower()}{first['msg'][1:]}"
+        hint = "angles are in radians" if unit == "rad" else "lengths are in metres"
+        raise refused("out-of-range", context.get("message", beyond), context.get("hint", hint)) from None
 
 
 def middle(distribution: float | Uniform | Normal | Choice) -> float:

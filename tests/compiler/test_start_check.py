@@ -29,6 +29,8 @@ def told(*settings: str) -> dict[str, str]:
         (["trials.start.tilt=-1.5", "trials.start.height=0.02"], "start-out-of-place", "the palm is below the table"),
         (["trials.start.standoff={choice: [0.3, 0.4]}"], "start-out-of-place", "0.3 m or more from the object"),
         (["trials.start={tilt: 1.4, standoff: 0.0, height: 0.08}"], "start-out-of-place", "inside"),
+        (["trials.start.offset=0.5"], "start-out-of-place", "the hand passes the object"),
+        (["trials.start.offset={uniform: [-0.5, -0.4]}"], "start-out-of-place", "0.4 m or more aside"),
         (["scene.object={cylinder: {diameter: 0.2, height: 0.3}, mass: 1}"], "object-too-wide", "200 mm wide"),
         (["scene.object={sphere: {diameter: 0.3}, mass: 1}"], "object-too-wide", "300 mm wide"),
         (["scene.object={box: {size: [0.3, 0.32, 0.3]}, mass: 1}"], "object-too-wide", "opens to 286 mm"),
@@ -48,6 +50,7 @@ def test_what_no_trial_can_begin_with(settings: list[str], code: str, said: str)
         ["scene.object={cylinder: {diameter: 0.17, height: 0.3}, mass: 1}"],
         ["scene.object={box: {size: [0.3, 0.1, 0.1]}, mass: 1}", "trials.start.yaw=0.7"],  # its narrow side
         ["scene.object={ellipsoid: {size: [0.06, 0.06, 0.12]}, fixed: true, mass: 1}"],
+        ["trials.start.offset={uniform: [-0.5, 0.5]}"],
         ["scene.object=bottle"],  # it has a neck
         ["scene.object=squirt-bottle"],
         ["scene.object=detergent-bottle"],

@@ -11,7 +11,7 @@ import pytest
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import program_of
-from graspdsl.hands.descriptions import robot
+from graspdsl.hands.descriptions import joint_limits, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet, silenced
@@ -95,3 +95,12 @@ def test_how_wide_the_hand_opens() -> None:
     for diameter in (0.182, 0.25):
         assert not any(gap >= diameter and ahead >= diameter / 2 for gap, ahead in gaps)
     assert 0.10 < motion.reach() < 0.16
+
+
+@pytest.mark.parametrize("hand", ["barrett", "trio"])
+def test_no_fingertip_gets_beyond_the_span(hand: str) -> None:
+    whole = robot(hand, "gantry")
+    motion, (lower, upper) = FingertipMotion(whole), map(np.array, joint_limits(whole))
+    joints = np.random.default_rng(1).uniform(lower, upper, (2000, len(lower)))
+    farthest = float(np.linalg.norm(motion.centres(joints), axis=-1).max())
+    assert 0.7 * motion.span() < farthest < motion.span()

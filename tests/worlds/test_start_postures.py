@@ -103,7 +103,8 @@ def test_an_answer_does_not_depend_on_those_before_it() -> None:
 @pytest.mark.parametrize(
     ("start", "reason"),
     [
-        (side_start(height=1.2), "finger-1 closes without meeting the object"),
+        (side_start(height=1.2), "the object is farther away than the fingers are long"),
+        (side_start(standoff=0.128), "without meeting the object"),
         (side_start(standoff=0.002), "another link"),
         (side_start(height=0.0, roll=math.pi / 2), "another link"),
         (replace(side_start(), posture={"base-1": 2.443}), "finger-1 starts closed"),

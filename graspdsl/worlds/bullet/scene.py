@@ -111,6 +111,11 @@ class Scene:
         up = self.object_pose()[1] @ self._rest_up
         return math.atan2(float(np.hypot(up[0], up[1])), float(up[2]))
 
+    def distance_from(self, point: Array) -> float:
+        """A distance [m] that the object is away from a point (3,) at the least: that of the box it is in."""
+        low, high = self._engine.getAABB(self.object, physicsClientId=self._client)
+        return float(np.linalg.norm(point - np.clip(point, low, high)))
+
     def clearance(self, hand: int, links: set[int] | None, within: float) -> float:
         """The least distance [m] between these links of the hand (None: all) and the table or the object.
 

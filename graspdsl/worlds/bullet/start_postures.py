@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, joint_limits
+from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.shapes import Body
 from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.engine import pybullet, silenced
@@ -49,6 +50,7 @@ class StartPostures:
             self._scene.place(resting)
         origin = Start(np.zeros(3), np.eye(3), {})
         self._hand = BulletHand(self._engine, self._client, robot, *root_pose(robot, origin), 0.0)
+        self._span = FingertipMotion(robot).span() + ROUNDING
 
     def close(self) -> None:
         """Give the engine's world back."""
@@ -61,6 +63,8 @@ class StartPostures:
         with another link, or not at all.
         """
         robot = self._robot
+        if self._scene.distance_from(start.position) > self._span:
+            raise InfeasibleStartError("the object is farther away than the fingers are long")
         known = {**robot.hand.postures["open"], **start.posture}
         opened = np.array([known.get(name, 0.0) for name in robot.joints])
         if robot.mount.base is None:
