@@ -81,7 +81,7 @@ def keeping(path: Path, *command: str) -> Iterator[None]:
         with reading(str(path)):
             yield
     except InputError as error:
-        hint = kept(*command, when="Once that is mended, to go on")
+        hint = kept(*command, when="Once that is mended, to go on", gap=" ")
         faults = [replace(fault, hint=fault.hint or hint) for fault in error.diagnostics]
         raise InputError(error.name, error.source, faults) from None
 
@@ -140,6 +140,6 @@ def frames_of(evidence: Evidence) -> dict[str, bytes]:
     return {name: picture for name, picture in shown.items() if picture is not None}
 
 
-def kept(*command: str, when: str = "To go on") -> str:
+def kept(*command: str, when: str = "To go on", gap: str = "\n  ") -> str:
     """That finished trials are kept, and the command that goes on."""
-    return f"finished trials are kept. {when}:\n  {on_one_line(shlex.join(['graspdsl', *command]))}"
+    return f"finished trials are kept. {when}:{gap}{on_one_line(shlex.join(['graspdsl', *command]))}"

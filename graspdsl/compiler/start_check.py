@@ -14,6 +14,7 @@ from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.facets import convex_parts
+from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
 from graspdsl.objects.standing import AT_REST, STANDING, fall_of
 from graspdsl.spec.constructing import Path
@@ -53,6 +54,8 @@ class _Sizes:
 
     def all(self) -> None:
         extent = self._body.shape.extent
+        if max(extent) < SHORTEST:  # it has had its complaint
+            return
         if max(extent) > min(TABLE_SIZE[:2]):
             if not (isinstance(self._thing, InlineObject) and (self._thing.mesh or self._thing.urdf)):  # told already
                 about = f"the object is {max(extent):.3g} m long, where the table is {min(TABLE_SIZE[:2]):g} m wide"

@@ -216,20 +216,13 @@ class _Check:
                 message = f"the fingertip {name} cannot close: {where}"
                 hint = "say which way its joints close, by closes: 1 or closes: -1, or let the two postures differ"
                 yield self._error("never-closes", message, ("contacts", name), hint, key=True)
+        stated = self._hand.postures.get("open", {}).keys() & self._hand.postures.get("closed", {}).keys()
         for joint, said in self._hand.joints.items():
-            goes = closed[joint] - opened[joint]
-            if said.closes * goes < 0.0:
-                message = (
-                    f"{joint} has closes: {said.closes}, but goes from {opened[joint]:g} open to {closed[joint]:g} "
-                )
-                message += "closed"
-                yield self._error(
-                    "wrong-closing",
-                    message,
-                    ("joints", joint),
-                    f"write closes: {-said.closes}, or mend the postures",
-                    key=True,
-                )
+            first, last = opened[joint], closed[joint]
+            if joint in stated and said.closes * (last - first) < 0.0:
+                message = f"{joint} has closes: {said.closes}, but goes from {first:g} open to {last:g} closed"
+                hint = f"write closes: {-said.closes}, or mend the postures"
+                yield self._error("wrong-closing", message, ("joints", joint), hint, key=True)
 
     def joint_sets(self) -> Iterator[Diagnostic]:
         for name, joints in self._hand.joint_sets.items():

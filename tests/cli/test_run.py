@@ -149,7 +149,8 @@ def test_the_summary_says_what_converged_means_and_where_the_run_is(finished: Fi
     answer = graspdsl("report", "run", cwd=finished.folder.parent, env={"COLUMNS": "80"})
     lines = answer.stdout.splitlines()
     assert lines[0] == "towel-roll-two-contacts, seed 2006"
-    assert lines[2] == "Converged: ‖ρ_f‖ < 0.1, ‖ρ_m‖ < 5 mm, forces ± 0.1 N, all touching, for 1 s."
+    assert lines[2] == "That is of feasible starts only: 23 of 26 draws could not be taken up."
+    assert lines[3] == "Converged: ‖ρ_f‖ < 0.1, ‖ρ_m‖ < 5 mm, forces ± 0.1 N, all touching, for 1 s."
     assert lines[-2:] == [
         "The run is in run; to repeat it:",
         "  graspdsl run run/spec.yaml --trials 3 --seed 2006",
@@ -160,12 +161,13 @@ def test_the_summary_says_what_converged_means_and_where_the_run_is(finished: Fi
 def test_the_summary_says_why_no_start_was_feasible(tmp_path: Path) -> None:
     """And no grades are given to trials that never began."""
     settings = ("--set", "trials.start={height: -0.05}", "--set", "evaluate=[force-closure, lift]")
-    answer = graspdsl("run", SPEC, "--trials", "2", *settings, cwd=tmp_path, env={"COLUMNS": "120"})
-    [row] = [line for line in answer.stdout.splitlines() if "finger-1 cannot close" in line]
-    assert row.split(maxsplit=1) == [
-        "infeasible-start",
-        "the start is not feasible: finger-1 cannot close on the object with its tip",
-    ]
+    ended = graspdsl("run", SPEC, "--trials", "2", *settings, "--out", "run", cwd=tmp_path)
+    assert ended.returncode == 1
+    reason = "finger-1 closes without meeting the object"
+    assert f"error[no-trial-begins]: none of the first 2 trials could begin: {reason} (2)" in ended.stderr
+    answer = graspdsl("report", "run", cwd=tmp_path, env={"COLUMNS": "120"})
+    [row] = [line for line in answer.stdout.splitlines() if line.startswith("infeasible-start") and reason in line]
+    assert row.split(maxsplit=1) == ["infeasible-start", f"the start is not feasible: {reason}"]
     assert "of 0 trials whose contacts all touched at the end" in answer.stdout
     assert "How good the grasps are" not in answer.stdout
 

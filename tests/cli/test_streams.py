@@ -44,7 +44,7 @@ def test_a_run_goes_on_when_nobody_reads_its_messages(tmp_path: Path) -> None:
     answer = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=writer, check=False)
     os.close(writer)
     assert answer.returncode == 0
-    assert json.loads(answer.stdout)["trials"] == {"asked": 1, "finished": 1}
+    assert json.loads(answer.stdout)["trials"] == {"asked": 1, "finished": 1, "different": 1}
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="this system has no device that is always full")
@@ -74,10 +74,10 @@ def test_ascii_only(finished: FinishedRun) -> None:
     assert json.loads(ascii_of("report", "run", "--json")) == finished.document
     assert "φ_fr" in json.dumps(json.loads(ascii_of("explain", "π_gx|Γ Γ", "--json")), ensure_ascii=False)
     lines = ascii_of("report", "run").splitlines()
-    assert "||rho_f|| < 0.1, ||rho_m|| < 5 mm" in lines[2]
-    assert [" ".join(line.split()) for line in lines[4:6]] == ["How trials ended", "outcome trials share 95 % interval"]
-    assert set(lines[6]) == {"-"}
-    assert len(lines[6]) == len(lines[5])
+    assert "||rho_f|| < 0.1, ||rho_m|| < 5 mm" in lines[3]
+    assert [" ".join(line.split()) for line in lines[5:7]] == ["How trials ended", "outcome trials share 95 % interval"]
+    assert set(lines[7]) == {"-"}
+    assert len(lines[7]) == len(lines[6])
     assert ascii_of("explain", "φ_xr|τ_p(Γ) σ_p(Γ)").splitlines() == []
     assert ascii_of("validate", "φ.yaml").startswith("phi.yaml: error[file-not-found]")
 

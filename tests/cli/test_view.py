@@ -143,7 +143,7 @@ def test_without_a_film_maker_that_is_said(folder: RunFolder, tmp_path: Path) ->
 
 
 def test_what_is_doubtful_about_a_hand_is_said(tmp_path: Path) -> None:
-    drawn = changed(URDF, ('<sphere radius="0.01"/>', '<mesh filename="part.dae"/>'))
+    drawn = changed(URDF, ('<sphere radius="0.011"/>', '<mesh filename="part.dae"/>'))
     write(tmp_path, drawn)
     done = graspdsl("view", "--hand", "hand.yaml", "--images", "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -19,7 +19,7 @@ from graspdsl.trials.store import RunFolder
 
 FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
 COUNT = "40"
-GO_ON = "hint: finished trials are kept. Once that is mended, to go on:\n  graspdsl run --resume run\n"
+GO_ON = "hint: finished trials are kept. Once that is mended, to go on: graspdsl run --resume run\n"
 
 
 def _room(size: int) -> Callable[[], None]:

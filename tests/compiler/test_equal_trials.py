@@ -8,7 +8,7 @@ from graspdsl.compiler.program import examine
 
 from .specs import FLOATING, POINTS, RESOURCES, spec
 
-BULLET = "world: bullet, object: ball"
+BULLET = "world: bullet, object: towel-roll"
 NOISY = "sensing: {load-cell: {force_noise: 0.01}}"
 GRID = "grid: [{parameter: roll, low: -1.0, high: 1.0, cells: 4}]"
 

@@ -241,7 +241,7 @@ def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, ("trials.start={height: {uniform: [-0.06, -0.05]}}",))
     record = TrialLoop(program, world_of(program), most_draws=8).run(0, 5).record
     assert (record.outcome, len(record.rejected)) == (Outcome.INFEASIBLE_START, 8)
-    assert record.detail == "no start in 8 draws was feasible: finger-1 meets the object or the table with another link"
+    assert record.detail == "no start in 8 draws was feasible: finger-1 closes without meeting the object"
     several = NoFeasibleStartError([RejectedStart({}, reason) for reason in ["it rains"] * 3 + ["it snows"] * 5])
     assert str(several) == "no start in 8 draws was feasible: it snows (5 times)"
 

@@ -106,8 +106,8 @@ def test_what_is_out_of_reach_is_infeasible() -> None:
     far = pose("side", {**LEVEL, "yaw": math.pi}, ROLL, ARM.hand.palm_surface)
     high = pose("side", {**LEVEL, "height": 1.5}, ROLL, ARM.hand.palm_surface)
     with opened(BulletWorld(settings(robot=ARM))) as world:
-        for start in (far, high):
-            with pytest.raises(InfeasibleStartError, match="cannot reach"):
+        for start, reason in ((far, "cannot reach"), (high, "farther away than the fingers are long")):
+            with pytest.raises(InfeasibleStartError, match=reason):
                 world.reset(start, 0)
 
 
