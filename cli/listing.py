@@ -45,7 +45,7 @@ def _sensors() -> Rows:
     from graspdsl.basis.sensors import SENSORS
 
     return [
-        {"name": sensor.symbol, "equation": sensor.equation, "task space": sensor.space.value, "about": sensor.about}
+        {"name": sensor.symbol, "equation": sensor.equation, "task space": sensor.space.about, "about": sensor.about}
         for sensor in SENSORS.values()
     ]
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
+from graspdsl.basis.potentials import lowering
 from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
@@ -17,7 +18,7 @@ from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.numbers_check import check_numbers
 from graspdsl.compiler.object_check import file_hint, found_object
-from graspdsl.compiler.phase import CONDITIONS, CheckedPhase, executable, grasp_of
+from graspdsl.compiler.phase import CheckedPhase, conditions_lowered, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
@@ -325,14 +326,14 @@ class _ProgramCheck:
         world = WORLDS.get(self._declarations.world.text)
         probes = self._declarations.displacement == "probing" and world is not None and not world.floats
         executed = [executable(stage, probes) for stage in phase.stages]
-        controlled = {node.potential.space for stage in executed for node in controllers_in(stage)}
-        for key, (spaces, lowering) in CONDITIONS.items():
-            if entry.conditions.get(key) is not None and not spaces & controlled and self._declarations.document:
+        lowered = {name for stage in executed for name in conditions_lowered(stage)}
+        for key, potentials in lowering().items():
+            if entry.conditions.get(key) is not None and key not in lowered and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
                 self._complaints.about(path)
                 self._complaints.warning(
                     "residual-not-controlled",
                     f"{key} is waited for, but no controller of this phase lowers it",
                     self._declarations.document.key_span(path),
-                    f"wait for something else, or run a controller with {lowering}",
+                    f"wait for something else, or run a controller with {potentials[0].symbol}",
                 )

@@ -290,6 +290,15 @@ def test_moment_servo_presses_as_the_force_servo_at_its_lever() -> None:
     np.testing.assert_allclose(found, WEIGHTS * (task.T @ error) * 1e-6 / RADIUS**2, rtol=1e-9)
 
 
+def test_moment_servo_closes_fingers_as_fast_as_the_force_servo() -> None:
+    """However an error is measured, a contact that does not touch comes nearer by so many metres a second."""
+    seen = observation()
+    seen.touching[:] = False
+    by_force, by_moment = (command(f"φ_{a}|τ_{a}(γ1) σ_{a}(γ1) (0, 0, 0.001)", seen) for a in "fm")
+    assert np.linalg.norm(by_force) > 1e-4
+    np.testing.assert_array_equal(by_moment, by_force)
+
+
 # --- posture ----------------------------------------------------------------------------------------------------
 
 
