@@ -328,6 +328,8 @@ def list_(
 def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
     with answering():
+        from graspdsl.hands.descriptions import mounts
         from graspdsl.spec.loading import json_schema
+        from graspdsl.worlds.kinds import WORLDS
 
-        result_json(json_schema())
+        result_json(json_schema(WORLDS, mounts()))

@@ -13,6 +13,7 @@ from graspdsl.notation.names import canonical
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import LARGEST_PARAMETER
+from graspdsl.worlds.kinds import WORLDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +109,8 @@ def declarations_of(document: Document) -> Declarations:
 def _senses_gravity(document: Document) -> bool:
     """Where the object's centre of mass is, is known of a held object and of a floating world's."""
     scene = document.data.get("scene")
-    return not isinstance(scene, dict) or scene.get("world") == "floating" or _holds(document)
+    world = WORLDS.get(str(scene.get("world"))) if isinstance(scene, dict) else None
+    return not isinstance(scene, dict) or (world is not None and world.knows_object) or _holds(document)
 
 
 def _holds(document: Document) -> bool:

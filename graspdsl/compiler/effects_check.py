@@ -106,14 +106,15 @@ class _Check:
         """What is said of the mount and of the object and nothing depends on."""
         scene, thing, path = self.spec.scene, self.spec.scene.object, ("scene", "object")
         idle: dict[Path, str] = {}
-        if self.target.floats and "mount" in scene.model_fields_set:
-            idle["scene", "mount"] = "floating contacts have no hand"
-        if isinstance(thing, InlineObject) and (self.target.floats or thing.fixed):
-            why = "floating contacts feel no weight" if self.target.floats else "the object is fixed to the world"
+        lacks = self.target.world.lacks
+        if "hand" in lacks and "mount" in scene.model_fields_set:
+            idle["scene", "mount"] = lacks["hand"]
+        if isinstance(thing, InlineObject) and ("weight" in lacks or thing.fixed):
+            why = lacks.get("weight", "the object is fixed to the world")
             idle.update({(*path, "mass"): why} if thing.mass is not None else {})
             idle.update({(*path, "mesh", "density"): why} if thing.mesh and thing.mesh.density is not None else {})
         cylinder = thing.cylinder if isinstance(thing, InlineObject) else None
-        if cylinder is not None and "edge" in cylinder.model_fields_set and not self.target.floats:
+        if cylinder is not None and "edge" in cylinder.model_fields_set and "edges" not in lacks:
             idle[*path, "cylinder", "edge"] = "edges are rounded only where contacts float"
         for place, why in idle.items():
             self._warn("no-effect", f"{place[-1]} has no effect: {why}", place, "leave it out")
@@ -237,7 +238,7 @@ class _Check:
             return
         presses = self.motion.strongest()
         asked = [(index, force) for index, phase in enumerate(phases) if phase for force in self._pressed(phase)]
-        ends, told = self.spec.scene.sensor.touch.ends, set[str]()
+        ends, told = self.target.world.sensor(self.spec.scene.sensing).touch.ends, set[str]()
         for index, force in asked:
             name, press = self.robot.contacts[force.contact], presses[force.contact]
             asks = f"{force.label} asks {name} for {force.size:g} N"

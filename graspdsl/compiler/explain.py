@@ -140,9 +140,9 @@ class Explanation:
     def _pace(self) -> str:
         """How often the pipeline is evaluated, and what a step of it is."""
         rate = f"{self.target.rate:g} times a second"
-        if self.target.floats:
-            return f"{rate}, contacts float"
-        return f"once a probe, {rate} for joint displacements" if self.target.probes else f"{rate}, contacts slide"
+        if self.target.probes:
+            return f"once a probe, {rate} for joint displacements"
+        return f"{rate}, {self.target.world.pace}"
 
     def _stage(self, graph: ControllerGraph, name: str) -> str:
         rows = [f"  {name}"] if len(self.phase.stages) > 1 else []

@@ -41,7 +41,7 @@ def found_object(
     if thing.like is not None and thing.like not in catalogue():
         return None
     from_file = thing.mesh is not None or thing.urdf is not None
-    if from_file and WORLDS[spec.scene.world].floats:
+    if from_file and not WORLDS[spec.scene.world].has("edges"):
         return None  # contacts cannot float on it, as has been said
     path: Path = ("scene", "object", "mesh", "file") if thing.mesh is not None else ("scene", "object", "urdf")
     complaints.about(path)
@@ -66,7 +66,7 @@ def _possible(spec: Spec, thing: InlineObject, document: Document, complaints: C
         return True
     kind, fields = thing.shape
     shape = shape_from({kind: fields})
-    if isinstance(shape, Cylinder) and not WORLDS[spec.scene.world].floats:
+    if isinstance(shape, Cylinder) and WORLDS[spec.scene.world].has("edges"):
         return True
     try:
         surface_of(shape)

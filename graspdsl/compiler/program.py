@@ -23,7 +23,7 @@ from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
 from graspdsl.compiler.sensing_check import check_sensing
-from graspdsl.compiler.settings import Target, target_of
+from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes
 from graspdsl.compiler.trials_check import check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
@@ -40,7 +40,9 @@ from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.named_files import NamedFile, SpecFolder
-from graspdsl.worlds.kinds import WORLDS, WorldKind
+from graspdsl.spec.validation import unknown_value
+from graspdsl.worlds.kind import WorldKind
+from graspdsl.worlds.kinds import WORLDS, worlds_with
 
 HERE = FilePath()
 
@@ -69,6 +71,11 @@ class Program:
     def target(self) -> Target:
         """What the program's pipelines drive."""
         return target_of(self.spec, self.robot)
+
+    @property
+    def different_trials(self) -> float:
+        """How many of its trials can differ from one another, inf for any number; all others repeat them."""
+        return different_trials(self.spec)
 
     @property
     def monitors(self) -> MonitorBounds:
@@ -104,6 +111,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     check_scene(document, complaints)
     check_numbers(document, complaints)
     thing = None
+    if spec is not None and spec.scene.world not in WORLDS:
+        spec = None  # of which nothing more can be said
     if spec is not None:
         check_monitors(spec, document, complaints)
         check_trials(spec, document, complaints)
@@ -111,8 +120,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     if spec is not None and check.robot is not None:
         check_start_posture(spec, check.robot, document, complaints)
         check_sensing(spec, document, check.robot, complaints)
-        floats = WORLDS[spec.scene.world].floats or not check.robot.has_model
-        motion = None if floats else FingertipMotion(check.robot)
+        moves = WORLDS[spec.scene.world].has("hand") and check.robot.has_model
+        motion = FingertipMotion(check.robot) if moves else None
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
         if thing is not None and motion is not None:
             check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
@@ -211,7 +220,8 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
-        mount = scene.mount.text in mounts()  # the spec's model names the mounts there are
+        self._one_of(("scene", "world"), scene.world, WORLDS)
+        mount = self._one_of(("scene", "mount"), scene.mount, mounts())
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
             if found is None or not mount:
@@ -258,6 +268,14 @@ class _ProgramCheck:
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 
+    def _one_of(self, path: Path, name: SourceText, known: Mapping[str, object]) -> bool:
+        if name.text in known:
+            return True
+        self._complaints.about(path)
+        message, hint = unknown_value(list(known), name.text)
+        self._complaints.error("unknown-value", message, whole(name), hint)
+        return False
+
     def _parameters_once(self, declarations: Declarations) -> None:
         document, seen = declarations.document, set[str]()
         parameters = document.data.get("parameters") if document else None
@@ -301,16 +319,17 @@ class _ProgramCheck:
         if world is None:
             return
         way = self._declarations.displacement
+        by_joints = GradientSpace.JOINTS in world.spaces(way)
         able = world.spaces(way) | ({GradientSpace.ROTATION} if self._declarations.holds else set())
         for stage in phase.stages:
             space = stage.gradient_space
             lacking = sorted({node.sensor.symbol for node in controllers_in(stage) if "forces" in node.sensor.reads})
-            if world.floats and lacking:
+            if lacking and not world.has("forces"):
                 self._complaints.error(
                     "not-sensed",
-                    f"floating contacts feel no forces: {', '.join(lacking)} cannot be sensed in the floating world",
+                    f"{world.lacks['forces']}: {', '.join(lacking)} cannot be sensed in the {world.name} world",
                     whole(entry.formula),
-                    "use σ_fr and σ_mr, as π_gx does, or the bullet world",
+                    f"use σ_fr and σ_mr, as π_gx does, or {worlds_with('forces')}",
                 )
             elif space not in able:
                 can = ", ".join(sorted(f"{s.value}, {s.about}" for s in able))
@@ -319,12 +338,12 @@ class _ProgramCheck:
                     f"the {world.name} world cannot carry out a gradient in {space.value}, {space.about}, by {way}",
                     whole(entry.formula),
                     f"it carries out {can}"
-                    + ("" if world.floats else "; make the controller the reference of one, as π_s|Γ Γ (…) does"),
+                    + ("; make the controller the reference of one, as π_s|Γ Γ (…) does" if by_joints else ""),
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
         world = WORLDS.get(self._declarations.world.text)
-        probes = self._declarations.displacement == "probing" and world is not None and not world.floats
+        probes = world is not None and world.probes(self._declarations.displacement)
         executed = [executable(stage, probes) for stage in phase.stages]
         lowered = {name for stage in executed for name in conditions_lowered(stage)}
         for key, potentials in lowering().items():

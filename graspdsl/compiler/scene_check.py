@@ -11,12 +11,13 @@ from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
-from graspdsl.worlds.kinds import WORLDS, WorldKind
+from graspdsl.worlds.kind import WorldKind
+from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = ("box", "compound", "mesh", "urdf")
-FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
@@ -49,7 +50,7 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
     world = WORLDS.get(scene.world.text)
-    if scene.names_hand or world is None or not world.floats:
+    if scene.names_hand or world is None or world.has("hand"):
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
     ways = listed((f"'hand: {name}' with {known[0]} to {known[-1]}" for name, known in bare.items()), "or")
@@ -69,8 +70,9 @@ class _Check:
         self._sensing()
         approach: Path = ("trials", "start", "approach")
         chosen = _value(self._document, approach)
-        if chosen is not None and (chosen == "surface") != self._world.floats:
-            hint = "write approach: surface, or leave it out" if self._world.floats else "use side or top"
+        if chosen is not None and chosen not in self._world.approaches:
+            ways = listed(self._world.approaches, "or")
+            hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
             self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
 
     def _without_effect(self) -> None:
@@ -78,22 +80,24 @@ class _Check:
         start: Path = ("trials", "start")
         given = _value(self._document, start)
         names = given if isinstance(given, dict) else {}
-        idle = HAND_STARTS if self._world.floats else ("height",) if names.get("approach") == "top" else ()
+        handless = self._world.lacks.get("hand")
+        idle = HAND_STARTS if handless else ("height",) if names.get("approach") == "top" else ()
         for name in idle:
             if name in names:
-                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
+                where = handless or "a hand from above has no height"
                 self._warn(f"{name} has no effect: {where}", (*start, name))
         grid: Path = ("trials", "grid")
         axes = _value(self._document, grid)
         for place, axis in enumerate(axes if isinstance(axes, list) else []):
             mapped = axis.get("parameter") if isinstance(axis, dict) else None
             if mapped in idle:
-                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
+                where = handless or "a hand from above has no height"
                 self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
         friction: Path = ("scene", "friction")
         judged = set(self._grades()) & WRENCH_GRADES
-        if self._world.floats and _value(self._document, friction) is not None and not judged:
-            self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
+        why = self._world.lacks.get("friction")
+        if why and _value(self._document, friction) is not None and not judged:
+            self._warn(f"friction has no effect: {why}, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
         self._complaints.about(path)
@@ -110,24 +114,26 @@ class _Check:
             body = catalogue().get(str(thing))
             kinds = [type(body.shape).__name__.lower()] if body else []
         for kind in kinds:
-            if self._world.floats and kind in EDGED:
-                message = f"contacts cannot float on a {kind}: its edges have no normal"
+            if (why := self._world.lacks.get("edges")) and kind in EDGED:
+                message = f"{why} on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
 
     def _hand(self) -> None:
         path: Path = ("scene", "hand")
         hand = hands().get(str(_value(self._document, path) or "barrett"))
-        if hand is not None and not hand.urdf and not self._world.floats:
+        if hand is not None and not hand.urdf and self._world.has("hand"):
             message = f"the hand {hand.hand} is bare contacts without a model"
-            self._error("hand-not-in-world", message, path, "use it in the floating world, or another hand here")
+            hint = f"use it in {worlds_without('hand')}, or another hand here"
+            self._error("hand-not-in-world", message, path, hint)
 
     def _sensing(self) -> None:
         path: Path = ("scene", "sensing")
         chosen = _value(self._document, path)
         names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, dict) else []
-        for name, felt in FELT_BY_HANDS.items():
-            if self._world.floats and name in names:
-                self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
+        for name, sensor in TACTILE_SENSORS.items():
+            if name in names and name not in self._world.senses:
+                message = f"{self._world.contacts} have no {sensor.called}"
+                self._error("not-sensed", message, path, f"use {listed(self._world.senses, 'or')}, or leave it out")
 
     def _grades(self) -> list[str | None]:
         """What is written under ``evaluate``, None in place of what is no word."""
@@ -138,25 +144,25 @@ class _Check:
         """A hand lifts and shakes an object that is free."""
         thing = _value(self._document, ("scene", "object"))
         anchors = [name for name in ("held", "fixed") if isinstance(thing, dict) and thing.get(name) is True]
-        if self._world.floats:
-            why = "floating contacts have no hand and their object no weight"
+        if "lifting" in self._world.lacks:
+            why = self._world.lacks["lifting"]
         elif anchors:
             why = f"the object is {anchors[0]}"
         else:
             return
         for place, grade in enumerate(self._grades()):
             if grade in HANDLING_GRADES:
-                hint = "leave it out, or use a free object in the bullet world"
+                hint = f"leave it out, or use a free object in {worlds_with('lifting')}"
                 self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""
         held: Path = ("scene", "object", "held")
-        if self._world.floats and _value(self._document, held) is True:
-            message = "an object that contacts float on stays put: nothing holds it"
+        message = self._world.lacks.get("holding")
+        if message and _value(self._document, held) is True:
             self._error("held-not-in-world", message, held, "leave it out")
         origin: Path = ("control", "origin")
-        known = self._world.floats or _value(self._document, held) is True
+        known = self._world.knows_object or _value(self._document, held) is True
         if _value(self._document, origin) == "object" and not known:
             message = "moments cannot be taken about the object: its centre of mass is known only when it is held"
             self._error("origin-not-sensed", message, origin, "use centroid, or add 'held: true' to the object")

@@ -8,8 +8,9 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
-from graspdsl.spec.sensing import LoadCell, Sensing
+from graspdsl.spec.sensing import Sensing
 from graspdsl.worlds.kinds import WORLDS
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
@@ -17,17 +18,18 @@ DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Complaints) -> None:
     """Complain about load cells that the hand has not; warn of a touch that noise alone would begin."""
     world = WORLDS[spec.scene.world]
-    if world.floats:
+    if not world.has("forces"):
         return
-    sensor = spec.scene.sensor
+    sensor = world.sensor(spec.scene.sensing)
     path: Path = ("scene", "hand" if spec.scene.sensing is None else "sensing")
     without = [name for name, contact in robot.hand.contacts.items() if contact.link and not contact.cell]
-    if isinstance(sensor, LoadCell) and without:
+    if sensor_for(sensor).needs_cells and without:
         message = (
             f"{listed(without)} of the hand {robot.hand.hand} {'have' if len(without) > 1 else 'has'} no load cell"
         )
         complaints.about(path)
-        hint = "use sensing: skin, proximity or exact, or name the load cell's joint in the hand file"
+        others = [name for name in world.senses if not TACTILE_SENSORS[name].needs_cells]
+        hint = f"use sensing: {listed(others, 'or')}, or name the load cell's joint in the hand file"
         complaints.error("not-sensed", message, document.span(path), hint)
     noise = sensor.force_noise_at(world.rate)
     if isinstance(spec.scene.sensing, Sensing) and sensor.touch.begins < DEVIATIONS * noise:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from graspdsl.compiler.complaints import Complaints
+from graspdsl.compiler.settings import different_trials
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
@@ -14,7 +15,7 @@ HINT = "or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
 
 def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
     """Warn of more trials asked for than can differ, and of cells of a grid that no trial begins in."""
-    trials, different = spec.trials, spec.different_trials
+    trials, different = spec.trials, different_trials(spec)
     if "count" in trials.model_fields_set and trials.count > different:
         message = f"only {different:g} of {trials.count} trials can differ: the others repeat them"
         if different == 1:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from graspdsl.spec.fields import Kilograms, Metres, Model, Number, exactly, fault, form, forms
-from graspdsl.spec.sensing import SensingChoice, TactileSensor, sensor_of
+from graspdsl.spec.sensing import SensingChoice
 
 Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
 Rounding = Annotated[Metres, Field(gt=0.0, le=1.0)]
@@ -152,12 +152,12 @@ ObjectChoice = Annotated[
 class Scene(Model):
     """What the controller meets."""
 
-    world: Literal["bullet", "floating"] = Field(
+    world: str = Field(
         description="bullet: rigid-body physics; floating: frictionless contacts on a surface, no physics",
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: Literal["gantry", "wam"] = Field(
+    mount: str = Field(
         default="gantry", description="what carries the hand; gantry: a free wrist (6 axes); wam: an arm (7 axes)"
     )
     object: ObjectChoice = Field(
@@ -172,11 +172,6 @@ class Scene(Model):
         "load cell; skin: taxels; proximity: distances; exact: the true contact; by default load-cell in bullet, exact "
         "in floating",
     )
-
-    @property
-    def sensor(self) -> TactileSensor:
-        """What contacts feel through."""
-        return sensor_of(self.sensing or ("exact" if self.world == "floating" else "load-cell"))
 
     @property
     def held(self) -> bool:

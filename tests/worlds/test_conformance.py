@@ -12,8 +12,9 @@ from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.surfaces import Ellipsoid
 from graspdsl.trials.stage import WitnessedWorld
 from graspdsl.worlds.bullet.probing import ProbingWorld
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.floating import FloatingWorld
+from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start
 from graspdsl.worlds.start_pose import pose
 
@@ -21,7 +22,7 @@ ROBOT = robot("barrett", "gantry")
 ROLL = catalogue()["towel-roll"]
 DRAWN = {"roll": 0.3, "yaw": 0.2, "tilt": 0.0, "height": 0.1, "standoff": 0.047, "offset": 0.0}
 START = pose("side", DRAWN, ROLL, ROBOT.hand.palm_surface)
-SETTINGS = BulletSettings(ROBOT, ROLL, 0.4)
+SETTINGS = WorldSettings(ROBOT, ROLL, 0.4)
 
 
 def floating() -> WitnessedWorld:

@@ -8,7 +8,7 @@ import pytest
 from graspdsl.quality.carrying import Carrier
 from graspdsl.spec.sensing import Exact, Proximity, TactileSensor
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.fingertip_compliance import LINEAR_FORCE, STIFFNESS, force_of_dent, stiffness_under
+from graspdsl.worlds.touch.compliance import LINEAR_FORCE, STIFFNESS, force_of_dent, stiffness_under
 
 from .scenes import ROBOT, grasped, main_program, opened, settings, side_start
 

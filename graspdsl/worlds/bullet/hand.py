@@ -16,8 +16,8 @@ from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.worlds.bullet.assembly import assembled_urdf
 from graspdsl.worlds.bullet.engine import silenced
-from graspdsl.worlds.fingertip_compliance import DAMPING, stiffness_under
 from graspdsl.worlds.protocol import Palm
+from graspdsl.worlds.touch.compliance import DAMPING, stiffness_under
 
 
 def rotation_matrix(quaternion: tuple[float, ...]) -> Array:

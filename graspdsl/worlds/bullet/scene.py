@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from typing import Any
 
@@ -10,9 +9,10 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Sphere
-from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body, speck
+from graspdsl.worlds.camera import box_corners
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import TABLE_SIZE
 
 OUT_OF_THE_WAY = 1.0  # m
@@ -20,14 +20,6 @@ WOOD = (0.76, 0.62, 0.46, 1.0)
 UP = np.array([0.0, 0.0, 1.0])
 
 Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
-
-
-class Anchor(enum.Enum):
-    """What the object is fixed to when a trial starts."""
-
-    NONE = "free, standing on the table"
-    HAND = "held by the hand, the table out of the way"
-    WORLD = "fixed to the world"
 
 
 class Scene:

@@ -11,7 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body, Box, Sphere
 from graspdsl.spec.sensing import LoadCell, Touch
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.load_cell import sphere_contact
+from graspdsl.worlds.touch.intrinsic import sphere_contact
 
 from .scenes import (
     ROLL,
