@@ -302,6 +302,8 @@ class Kind(enum.StrEnum):
     EFFECTORS = "effectors"
     CONTROLLERS = "controllers"
     HANDS = "hands"
+    MOUNTS = "mounts"
+    SENSING = "sensing"
     OBJECTS = "objects"
     WORLDS = "worlds"
 

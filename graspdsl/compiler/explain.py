@@ -24,6 +24,7 @@ from graspdsl.compiler.graph import (
 )
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
+from graspdsl.compiler.program import Program
 from graspdsl.compiler.settings import Target
 from graspdsl.notation.printer import to_ascii, to_unicode
 
@@ -151,12 +152,17 @@ class Explanation:
         return "\n".join(rows)
 
 
-def explained(phase: CheckedPhase, target: Target) -> Explanation:
-    """The explanation of a checked formula for a robot."""
-    pipelines = phase.pipelines(target)
-    observation = in_general_position(target.robot)
-    shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
-    return Explanation(phase, target, phase.executed(target), pipelines, shapes)
+def explained(program: Program) -> tuple[Explanation, ...]:
+    """The explanation of every phase of a program, out of the pipelines that run."""
+    observation, target = in_general_position(program.robot), program.target
+
+    def shapes(pipeline: Pipeline) -> tuple[tuple[int, ...], ...]:
+        return tuple(np.shape(value) for value in pipeline.values(observation))
+
+    return tuple(
+        Explanation(phase, target, phase.executed(target), pipelines, tuple(map(shapes, pipelines)))
+        for phase, pipelines in zip(program.phases, program.pipelines(), strict=True)
+    )
 
 
 def _is_plain_sum(graph: Composition) -> bool:
