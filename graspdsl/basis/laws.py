@@ -28,30 +28,11 @@ class Bench(Protocol):
     probe; ``held``: whether the object is fixed to the hand.
     """
 
-    @property
-    def control(self) -> Control:
-        """The spec's settings of the gains."""
-        ...
-
-    @property
-    def rate(self) -> float:
-        """Ticks a second."""
-        ...
-
-    @property
-    def step(self) -> float:
-        """The displacement [m] of a contact for a unit net force."""
-        ...
-
-    @property
-    def each(self) -> str:
-        """What one step of a displacement of contacts is, a tick or a probe."""
-        ...
-
-    @property
-    def held(self) -> bool:
-        """Whether the object is fixed to the hand."""
-        ...
+    control: Control
+    rate: float
+    step: float
+    each: str
+    held: bool
 
     def apply(self, label: str, about: str, function: Callable[..., Array], *inputs: int) -> int:
         """The step that applies a function to the values of earlier steps."""

@@ -28,7 +28,6 @@ from graspdsl.compiler.graph import (
 from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder, Projection
 from graspdsl.compiler.settings import Target
 from graspdsl.hands.descriptions import joint_limits
-from graspdsl.spec.program import Control
 
 READINGS = {
     "points": "contact points [m]",
@@ -75,27 +74,9 @@ class _Bench(PipelineBuilder):
 
     def __init__(self, grasp: ContactSet, target: Target) -> None:
         super().__init__()
-        self.grasp, self.target = grasp, target
-
-    @property
-    def control(self) -> Control:
-        return self.target.control
-
-    @property
-    def rate(self) -> float:
-        return self.target.rate
-
-    @property
-    def step(self) -> float:
-        return self.target.step(float(self.grasp.weights @ self.grasp.weights))
-
-    @property
-    def each(self) -> str:
-        return self.target.each
-
-    @property
-    def held(self) -> bool:
-        return self.target.held
+        self.grasp, self.target, self.control = grasp, target, target.control
+        self.rate, self.each, self.held = target.rate, target.each, target.held
+        self.step = target.step(float(grasp.weights @ grasp.weights))
 
     def mixing(self, resources: ContactSet) -> Array:
         """The rows (m, k) of per-contact tasks: one a member of a virtual contact, or one a resource (their mean)."""

@@ -42,6 +42,6 @@ def test_the_engine_obeys(sensing: TactileSensor) -> None:
             assert carrier.squeeze == pytest.approx(squeeze, rel=0.02)
             truth = world.truth()
             forces = np.einsum("ki,ki->k", truth.forces, truth.normals)
-            nearest = world._scene.nearest_to_tips(world.hand, 0.01)
+            nearest = world._felt.nearest(0.01)
             dents = -np.array([pair[0] for pair in nearest if pair is not None])
             np.testing.assert_allclose(force_of_dent(dents), forces, rtol=0.05)

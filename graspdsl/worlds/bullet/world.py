@@ -82,8 +82,8 @@ class BulletWorld:
             self._scene.attach(self.hand)
         self._ticks = 0
         clock = Clock(CONTROL_RATE * PHYSICS_STEPS, CONTROL_RATE)
-        felt = BulletFingertips(self.hand, self._scene)
-        self._tips = Fingertips(felt, robot, self.settings.sensing, self.settings.gravity, clock, seed)
+        self._felt = BulletFingertips(self.hand, self._scene)
+        self._tips = Fingertips(self._felt, robot, self.settings.sensing, self.settings.gravity, clock, seed)
         for _ in range(SETTLE_TICKS):
             self._simulate()
         self.tare()
@@ -108,7 +108,7 @@ class BulletWorld:
         before, self._target = self._target, np.clip(wanted, self.info.lower, self.info.upper)
         self._stopped |= wanted != self._target
         self._simulate(before)
-        self.hand.press([float(forces.sum()) for _, forces in self._scene.tip_presses(self.hand)])
+        self.hand.press([float(forces.sum()) for _, forces in self._felt.presses()])
         self._ticks += 1
 
     def _simulate(self, before: Array | None = None) -> None:
@@ -157,7 +157,7 @@ class BulletWorld:
 
     def truth(self) -> Truth:
         """The simulator's own account of the present tick."""
-        points, normals, forces = self._scene.tip_contacts(self.hand)
+        points, normals, forces = self._felt.contacts()
         position, rotation = self._scene.object_pose()
         return Truth(
             points=points,

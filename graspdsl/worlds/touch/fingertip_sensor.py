@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
@@ -17,28 +18,15 @@ from graspdsl.worlds.touch.surfaces import fingertip_surface
 Frames = Sequence[tuple[Array, Array]]  # origin (3,) [m] and rotation (3, 3) of the link of each fingertip
 
 
-class Fingertip(Protocol):
-    """One fingertip, all of it in the frame of its link."""
+@dataclass(frozen=True, slots=True)
+class Fingertip:
+    """One fingertip, in the frame of its link: its shape and the centre of that (3,) [m]; its mass [kg], and the centre
+    of mass (3,) [m] from the centre of the shape."""
 
-    @property
-    def shape(self) -> FingertipShape:
-        """The shape that touches."""
-        ...
-
-    @property
-    def centre(self) -> Array:
-        """The centre (3,) [m] of the shape."""
-        ...
-
-    @property
-    def mass(self) -> float:
-        """The mass [kg]."""
-        ...
-
-    @property
-    def weight_lever(self) -> Array:
-        """The centre of mass (3,) [m] from the centre of the shape."""
-        ...
+    shape: FingertipShape
+    centre: Array
+    mass: float
+    weight_lever: Array
 
 
 class FingertipPhysics(Protocol):
