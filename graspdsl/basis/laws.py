@@ -176,7 +176,7 @@ class Pressing(Law):
 
 
 @dataclass(frozen=True)
-class Share(Law):
+class ShareOfError(Law):
     """A share of the posture error, τ⁺e: the joints of Γσ that Γτ moves go that part of the way (Eq. 4.25)."""
 
     def displacement(self, bench: Bench, slope: Slope) -> int:

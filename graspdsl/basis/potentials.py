@@ -11,7 +11,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.entry import Entry
-from graspdsl.basis.laws import Descent, InverseKinematics, Law, Pressing, Share
+from graspdsl.basis.laws import Descent, InverseKinematics, Law, Pressing, ShareOfError
 from graspdsl.basis.rotations import turn_between, turned
 from graspdsl.basis.spaces import (
     FORCE,
@@ -219,7 +219,7 @@ class PostureDistance(HalfSquared):
     effectors = ("τ_k",)
     references = ("σ_k",)
     has_default_reference = True
-    law = Share()
+    law = ShareOfError()
 
 
 POTENTIALS: Mapping[str, Potential] = {

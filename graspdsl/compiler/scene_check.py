@@ -70,7 +70,8 @@ class _Check:
         self._sensing()
         approach: Path = ("trials", "start", "approach")
         chosen = _value(self._document, approach)
-        if chosen is not None and chosen not in self._world.approaches:
+        elsewhere = any(chosen in kind.approaches for kind in WORLDS.values())
+        if elsewhere and chosen not in self._world.approaches:
             ways = listed(self._world.approaches, "or")
             hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
             self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
