@@ -334,4 +334,5 @@ def schema() -> None:
         from graspdsl.spec.loading import json_schema
         from graspdsl.worlds.kinds import WORLDS
 
-        result_json(json_schema(WORLDS, mounts()))
+        worlds = {name: world.about for name, world in WORLDS.items()}
+        result_json(json_schema(worlds, {name: mount.about for name, mount in mounts().items()}))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ from graspdsl.spec.files import read_text
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
 from graspdsl.spec.validation import validation_faults, with_known_keys
+
+NOTHING: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +67,14 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> tuple[Docu
     return document, None, faults
 
 
-def json_schema(worlds: Iterable[str] = (), mounts: Iterable[str] = ()) -> dict[str, Any]:
-    """The JSON Schema of a spec, for editors; ``worlds``, ``mounts``: what there are, any text where none are given."""
+def json_schema(worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] = NOTHING) -> dict[str, Any]:
+    """The JSON Schema of a spec, for editors.
+
+    ``worlds``, ``mounts``: a line on each that there is, by name; any text may stand there where none are given.
+    """
     schema = Spec.model_json_schema(by_alias=True)
-    scene = schema["$defs"]["Scene"]["properties"]
-    for key, names in (("world", list(worlds)), ("mount", list(mounts))):
-        scene[key].update({"enum": names} if names else {})
+    for key, known in (("world", worlds), ("mount", mounts)):
+        field, lines = schema["$defs"]["Scene"]["properties"][key], [f"{name}: {line}" for name, line in known.items()]
+        if known:
+            field |= {"enum": list(known), "description": f"{field['description']}; {'; '.join(lines)}"}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}

@@ -153,13 +153,11 @@ class Scene(Model):
     """What the controller meets."""
 
     world: str = Field(
-        description="bullet: rigid-body physics; floating: frictionless contacts on a surface, no physics",
+        description="what the trials run in",
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: str = Field(
-        default="gantry", description="what carries the hand; gantry: a free wrist (6 axes); wam: an arm (7 axes)"
-    )
+    mount: str = Field(default="gantry", description="what carries the hand")
     object: ObjectChoice = Field(
         description="an object of the catalogue, or one described here", examples=["towel-roll"]
     )
