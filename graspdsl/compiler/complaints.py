@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, has_errors
 from graspdsl.notation.names import canonical
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 
 
 class Complaints:

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 from graspdsl.diagnostics import SourceText
 from graspdsl.notation.names import canonical
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import LARGEST_PARAMETER
 
 

@@ -31,8 +31,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control, Phase, Until
 from graspdsl.spec.scene import InlineObject

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.objects.shapes import Sphere, catalogue
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import OFF, TIMES
 from graspdsl.spec.scene import InlineObject

@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator
 
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 

@@ -12,12 +12,11 @@ from graspdsl.objects.bodies import body_in
 from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.mesh_files import SUFFIXES
 from graspdsl.objects.shapes import Body, Cylinder, catalogue, shape_from
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
+from graspdsl.places.files import NamedFile, SpecFolder
+from graspdsl.places.wording import shortened
 from graspdsl.spec.models import Spec
-from graspdsl.spec.named_files import NamedFile, SpecFolder
 from graspdsl.spec.scene import InlineObject
-from graspdsl.spec.wording import shortened
 from graspdsl.worlds.kinds import WORLDS
 
 

@@ -33,12 +33,11 @@ from graspdsl.hands.mount_check import taken_names
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
+from graspdsl.places.files import NamedFile, SpecFolder
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
-from graspdsl.spec.named_files import NamedFile, SpecFolder
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HERE = FilePath()

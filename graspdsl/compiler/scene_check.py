@@ -7,9 +7,8 @@ from graspdsl.compiler.declarations import Declarations
 from graspdsl.diagnostics import known_names_hint, listed
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
 from graspdsl.objects.shapes import catalogue
-from graspdsl.spec.constructing import Path
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import numbers_of
-from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import Robot
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.sensing import LoadCell, Sensing
 from graspdsl.worlds.kinds import WORLDS

@@ -17,9 +17,8 @@ from graspdsl.objects.facets import convex_parts
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
 from graspdsl.objects.standing import AT_REST, STANDING, fall_of
-from graspdsl.spec.constructing import Path
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.trials import PARAMETERS

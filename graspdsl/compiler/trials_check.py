@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 
 HINT = "or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"

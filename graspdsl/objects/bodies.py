@@ -12,7 +12,7 @@ from graspdsl.diagnostics import Diagnostic
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.shapes import Body, catalogue, shape_from
 from graspdsl.objects.urdf_files import object_of_urdf
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.spec.scene import InlineObject, Mesh
 
 DEFAULT_MASS = 0.5  # kg

@@ -14,7 +14,7 @@ from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.objects.surfaces.mesh import unit_sphere
 from graspdsl.objects.triangles import Faces, TriangleMesh, enclosed
-from graspdsl.spec.named_files import refusal
+from graspdsl.places.files import refusal
 
 if TYPE_CHECKING:
     from trimesh import Trimesh

@@ -17,9 +17,9 @@ from graspdsl.objects.compound import Compound, Part, Placed, centred
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
-from graspdsl.spec.mesh_places import MeshPlaces
-from graspdsl.spec.named_files import SpecFolder, refusal
-from graspdsl.spec.xml_files import place_in, xml_tree
+from graspdsl.places.files import SpecFolder, refusal
+from graspdsl.places.mesh_places import MeshPlaces
+from graspdsl.places.xml_files import place_in, xml_tree
 
 MOST_PARTS = 200
 MOST_LINKS = 2000

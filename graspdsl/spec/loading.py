@@ -10,11 +10,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
-from graspdsl.spec.document import Document, parse_with_faults
-from graspdsl.spec.files import read_text
+from graspdsl.places.document import Document, parse_with_faults
+from graspdsl.places.files import read_text
+from graspdsl.places.validation import validation_faults, with_known_keys
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
-from graspdsl.spec.validation import validation_faults, with_known_keys
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from graspdsl.spec.fields import Kilograms, Metres, Model, Number, exactly, fault, form, forms
+from graspdsl.places.fields import Kilograms, Metres, Model, Number, exactly, fault, form, forms
 from graspdsl.spec.sensing import SensingChoice, TactileSensor, sensor_of
 
 Size = Annotated[Metres, Field(ge=0.005, le=2.0)]

@@ -15,7 +15,7 @@ from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.primitives import Box, Cylinder, Sphere
 from graspdsl.objects.triangles import TriangleMesh
 from graspdsl.objects.urdf_files import object_of_urdf
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 
 from .parts import URDF, cylinder, ring, without, write
 

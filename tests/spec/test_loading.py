@@ -11,9 +11,11 @@ import yaml
 from pydantic import Field
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.spec import Spec, json_schema, load_spec, load_spec_text, parse_document, validate_document
+from graspdsl.places.document import parse_document
+from graspdsl.places.fields import Metres, Model
+from graspdsl.places.validation import validate_document
+from graspdsl.spec import Spec, json_schema, load_spec, load_spec_text
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.fields import Metres, Model
 
 
 def place(diagnostic: Diagnostic) -> str:

@@ -15,7 +15,7 @@ from graspdsl.compiler.sensing_check import check_sensing
 from graspdsl.hands.descriptions import HERE, Contact, Robot
 from graspdsl.hands.fingertips import EllipsoidTip
 from graspdsl.objects.surfaces import Ellipsoid
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.sensing import Exact, LoadCell, Proximity, Skin, TactileSensor, Touch
 from graspdsl.worlds.bullet.scene import Anchor

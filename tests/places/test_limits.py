@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.spec import load_spec, parse_document, read_document
+from graspdsl.places.document import parse_document, read_document
+from graspdsl.spec import load_spec
 
 MEBI = 1024 * 1024
 
