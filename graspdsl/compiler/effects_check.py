@@ -110,9 +110,10 @@ class _Check:
             why = "floating contacts feel no weight" if self.target.floats else "the object is fixed to the world"
             idle.update({(*path, "mass"): why} if thing.mass is not None else {})
             idle.update({(*path, "mesh", "density"): why} if thing.mesh and thing.mesh.density is not None else {})
-        cylinder = thing.cylinder if isinstance(thing, InlineObject) else None
-        if cylinder is not None and "edge" in cylinder.model_fields_set and not self.target.floats:
-            idle[*path, "cylinder", "edge"] = "edges are rounded only where contacts float"
+        shape = thing.shape if isinstance(thing, InlineObject) else None
+        if shape is not None and not self.target.floats:
+            given = (key for key in shape.floating_only if key in shape.model_fields_set)
+            idle.update(((*path, shape.name, key), "edges are rounded only where contacts float") for key in given)
         for place, why in idle.items():
             self._warn("no-effect", f"{place[-1]} has no effect: {why}", place, "leave it out")
 

@@ -6,15 +6,16 @@ from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declarations
 from graspdsl.diagnostics import known_names_hint, listed
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
-from graspdsl.objects.shapes import catalogue
+from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.models import Spec
+from graspdsl.spec.scene import FILES
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
-EDGED = ("box", "compound", "mesh", "urdf")
+EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
@@ -107,9 +108,9 @@ class _Check:
             kinds = [kind for kind in EDGED if kind in thing]
         else:
             body = catalogue().get(str(thing))
-            kinds = [type(body.shape).__name__.lower()] if body else []
+            kinds = [body.shape.name] if body and body.shape.edged else []
         for kind in kinds:
-            if self._world.floats and kind in EDGED:
+            if self._world.floats:
                 message = f"contacts cannot float on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
 

@@ -13,10 +13,10 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.objects.facets import convex_parts
 from graspdsl.objects.mesh_files import SHORTEST
-from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
-from graspdsl.objects.standing import AT_REST, STANDING, fall_of
+from graspdsl.objects.shape import convex_parts
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.standing import STANDING, fall_of
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.models import Spec
@@ -65,7 +65,7 @@ class _Sizes:
             self._palm()
 
     def _falls(self) -> bool:
-        if isinstance(self._body.shape, AT_REST):
+        if self._body.shape.rests:
             return False
         fall = math.degrees(fall_of(self._body.shape))
         if fall > STANDING:
@@ -102,7 +102,7 @@ class _Sizes:
         normals = [np.array(normal) for normal in {tuple(rotation[:, 2].tolist()) for _, rotation in self._poses}]
         for normal in normals:
             yield from _across(shape.support, normal)
-        if isinstance(shape, Bottle | Compound | TriangleMesh):
+        if not shape.convex:
             for normal, part in itertools.product(normals, convex_parts(shape)):
                 yield from _across(part.support, normal)
 

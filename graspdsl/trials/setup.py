@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from graspdsl.compiler.program import Program
-from graspdsl.objects.floating_surface import surface_of
 from graspdsl.spec import scene as spec
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.worlds.bullet.probing import ProbingWorld
@@ -18,7 +17,7 @@ def world_of(program: Program) -> BulletWorld | FloatingWorld:
     scene = program.spec.scene
     body = program.body
     if program.world.floats:
-        return FloatingWorld(program.robot.contacts, surface_of(body.shape), GRAVITY * body.mass, body.major_axis)
+        return FloatingWorld(program.robot.contacts, body.shape.surface(), GRAVITY * body.mass, body.major_axis)
     fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
     settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor)

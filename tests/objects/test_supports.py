@@ -8,8 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
-from graspdsl.objects.facets import convex_parts, shaded
-from graspdsl.objects.shapes import Body, Box, Ellipsoid, Sphere
+from graspdsl.objects.box import Box
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.sphere import Sphere
 
 from .thing import SHAPES, bounds, cells, inside
 
@@ -71,11 +74,11 @@ def test_normals_of_the_drawn_surface_point_out_of_its_triangles(name: str) -> N
 @pytest.mark.parametrize(
     ("shape", "axis"),
     [
-        (Box((0.09, 0.06, 0.18)), (0.0, 0.0, 1.0)),
-        (Box((0.18, 0.06, 0.09)), (1.0, 0.0, 0.0)),
-        (Ellipsoid((0.10, 0.14, 0.09)), (0.0, 1.0, 0.0)),
-        (Ellipsoid((0.104, 0.10, 0.09)), (0.0, 0.0, 1.0)),  # not clearly the longest
-        (Sphere(0.1), (0.0, 0.0, 1.0)),
+        (Box(size=(0.09, 0.06, 0.18)), (0.0, 0.0, 1.0)),
+        (Box(size=(0.18, 0.06, 0.09)), (1.0, 0.0, 0.0)),
+        (Ellipsoid(size=(0.10, 0.14, 0.09)), (0.0, 1.0, 0.0)),
+        (Ellipsoid(size=(0.104, 0.10, 0.09)), (0.0, 0.0, 1.0)),  # not clearly the longest
+        (Sphere(diameter=0.1), (0.0, 0.0, 1.0)),
     ],
 )
 def test_the_major_axis_is_the_clearly_longest(

@@ -11,6 +11,10 @@ import yaml
 from pydantic import Field
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.objects.box import Box
+from graspdsl.objects.cylinder import Cylinder
+from graspdsl.objects.sphere import Sphere
+from graspdsl.objects.superquadric import Superquadric
 from graspdsl.places.document import parse_document
 from graspdsl.places.fields import Metres, Model
 from graspdsl.places.validation import validate_document
@@ -77,13 +81,10 @@ def test_distributions(good: str, written: str, read: object) -> None:
 @pytest.mark.parametrize(
     ("written", "shape"),
     [
-        ("{sphere: {diameter: 0.1}, name: ball}", ("sphere", {"diameter": 0.1})),
-        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", ("box", {"size": (0.1, 0.1, 0.2)})),
-        ("{cylinder: {diameter: 0.1, height: 0.2}}", ("cylinder", {"diameter": 0.1, "height": 0.2, "edge": 0.005})),
-        (
-            "{superquadric: {size: [0.1, 0.1, 0.2], exponent: 4}}",
-            ("superquadric", {"size": (0.1, 0.1, 0.2), "exponent": 4}),
-        ),
+        ("{sphere: {diameter: 0.1}, name: ball}", Sphere(diameter=0.1)),
+        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", Box(size=(0.1, 0.1, 0.2))),
+        ("{cylinder: {diameter: 0.1, height: 0.2}}", Cylinder(diameter=0.1, height=0.2, edge=0.005)),
+        ("{superquadric: {size: [0.1, 0.1, 0.2], exponent: 4}}", Superquadric(size=(0.1, 0.1, 0.2), exponent=4)),
         ("{like: towel-roll, held: true}", None),
     ],
 )

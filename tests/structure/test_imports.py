@@ -17,9 +17,11 @@ ROOT = Path(__file__).parents[2]
 ORDER = (
     {"diagnostics", "arrays", "units"},
     {"places"},
-    {"spec", "notation"},
+    {"notation"},
     {"basis"},
-    {"hands", "objects"},
+    {"objects"},  # below the spec, whose keys of an object are those of the table of shapes
+    {"spec"},
+    {"hands"},
     {"worlds"},
     {"compiler"},
     {"quality"},

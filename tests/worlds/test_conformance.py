@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from graspdsl.hands.descriptions import robot
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
-from graspdsl.objects.surfaces import Ellipsoid
 from graspdsl.trials.stage import WitnessedWorld
 from graspdsl.worlds.bullet.probing import ProbingWorld
 from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
@@ -26,7 +26,7 @@ SETTINGS = BulletSettings(ROBOT, ROLL, 0.4)
 
 def floating() -> WitnessedWorld:
     """Three contacts on an ellipsoid."""
-    return FloatingWorld(("a", "b", "c"), Ellipsoid((0.05, 0.06, 0.075)), 4.0)
+    return FloatingWorld(("a", "b", "c"), SmoothEllipsoid((0.05, 0.06, 0.075)), 4.0)
 
 
 WORLDS = {
