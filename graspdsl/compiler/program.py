@@ -10,7 +10,7 @@ from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, whole
-from graspdsl.compiler.declarations import Declarations, PhaseEntry, declarations_of, default_scene
+from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of, default_scene
 from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
@@ -35,7 +35,7 @@ from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
-from graspdsl.spec.loading import read_spec
+from graspdsl.spec.loading import Reading, read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kinds import WORLDS, WorldKind
@@ -92,30 +92,34 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     Files that the spec names by relative paths are in ``folder``.
     """
     try:
-        document, spec, faults = read_spec(text, name, overrides)
+        reading = read_spec(text, name, overrides)
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
-    complaints = Complaints(document)
+    spec, document = reading.spec, reading.document
+    complaints = Complaints(document, spec.parameters)
     hand_files = SpecFolder(folder)
-    check = _ProgramCheck(declarations_of(document), complaints, hand_files)
+    check = _ProgramCheck(declarations_of(spec, document), complaints, hand_files)
     phases = check.phases()
-    check_scene(document, complaints)
+    _parameters_once(spec, document, complaints)
+    check_scene(spec, document, complaints)
     check_numbers(document, complaints)
-    thing = None
-    if spec is not None:
+    if reading.is_sound("scene", "control", "program", "monitors"):
         check_monitors(spec, document, complaints)
+    if reading.is_sound("scene", "trials"):
         check_trials(spec, document, complaints)
-        thing = found_object(spec, document, complaints, folder)
-    if spec is not None and check.robot is not None:
+    thing = found_object(spec, document, complaints, folder) if reading.is_sound("scene") else None
+    if check.robot is not None and reading.is_sound("trials"):
         check_start_posture(spec, check.robot, document, complaints)
+    if check.robot is not None and reading.is_sound("scene"):
         check_sensing(spec, document, check.robot, complaints)
+    if check.robot is not None and not reading.unread:
         floats = WORLDS[spec.scene.world].floats or not check.robot.has_model
         motion = None if floats else FingertipMotion(check.robot)
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
         if thing is not None and motion is not None:
             check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
-    diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
-    if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
+    diagnostics = in_reading_order([*reading.faults, *_own(complaints.found, reading)])
+    if check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
     body, object_files = thing
     files = (*hand_files.files, *object_files)
@@ -124,15 +128,25 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     return Examination(Program(spec, check.robot, world, sound, body, files, definitions), diagnostics)
 
 
+def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:
+    seen = set[str]()
+    for key in spec.parameters:
+        path: Path = ("parameters", key)
+        name = canonical(key)
+        if name in seen:
+            complaints.about(path)
+            message = f"{name} is declared twice, in two spellings"
+            complaints.error("declared-twice", message, document.key_span(path), "keep one of them")
+        seen.add(name)
+
+
 # What is complained of when the section that declares it cannot be read, which has had its complaint.
 _DECLARED_IN = {"unknown-resource": "resources", "unknown-controller": "controllers", "missing-parameter": "parameters"}
 
 
-def _own(found: Iterable[Diagnostic], document: Document) -> list[Diagnostic]:
+def _own(found: Iterable[Diagnostic], reading: Reading) -> list[Diagnostic]:
     """The complaints that do not follow from a section that is missing or no mapping."""
-    unread = {name for name in _DECLARED_IN.values() if not isinstance(document.data.get(name, {}), dict)}
-    unread |= {"resources"} - document.data.keys()
-    return [diagnostic for diagnostic in found if _DECLARED_IN.get(diagnostic.code) not in unread]
+    return [said for said in found if (_DECLARED_IN.get(said.code),) not in reading.unread]
 
 
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
@@ -167,21 +181,21 @@ def program_of_expression(text: str) -> Program:
         or (isinstance(node.sensor_resources, ContactSet) and node.sensor_resources.has_gravity)
         for node in nodes
     )
-    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[scene.world.text].sliding | {
+    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[DEFAULT_WORLD].sliding | {
         GradientSpace.ROTATION
     }
     spec = Spec.model_validate(
         {
             "graspdsl": 1,
             "name": "formula",
-            "scene": {"world": scene.world.text, "object": {"like": "towel-roll", "held": held}},
+            "scene": {"world": DEFAULT_WORLD, "object": {"like": "towel-roll", "held": held}},
             "resources": {entry.key.text: entry.value.text for entry in scene.resources},
             "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
             "control": {"displacement": "sliding" if slides else "probing"},
             "program": [{"run": phase.label, "until": {"contact": "all"}}],
         }
     )
-    return Program(spec, hand, WORLDS[scene.world.text], (phase,), catalogue()["towel-roll"])
+    return Program(spec, hand, WORLDS[DEFAULT_WORLD], (phase,), catalogue()["towel-roll"])
 
 
 class _ProgramCheck:
@@ -189,7 +203,6 @@ class _ProgramCheck:
         self._declarations, self._complaints, self._files = declarations, complaints, files
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
-        self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
         table = ResourceTable(
             declarations.resources,
@@ -209,17 +222,18 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
-        mount = scene.mount.text in mounts()  # the spec's model names the mounts there are
+        if scene.hand is None:
+            return None
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
-            if found is None or not mount:
+            if found is None or scene.mount is None:
                 return None
-            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount.text], hand_model=found.model)
+            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount], hand_model=found.model)
             taken = tuple(taken_names(whole_robot))
             self._tell(scene.hand, taken)
             return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount.text) if hand and mount else None
+        return robot(scene.hand.text, scene.mount) if hand and scene.mount is not None else None
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -256,18 +270,6 @@ class _ProgramCheck:
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 
-    def _parameters_once(self, declarations: Declarations) -> None:
-        document, seen = declarations.document, set[str]()
-        parameters = document.data.get("parameters") if document else None
-        for key in parameters if document and isinstance(parameters, dict) else ():
-            name = canonical(key)
-            if name in seen:
-                self._complaints.about(("parameters", key))
-                span = document.key_span(("parameters", key)) if document else None
-                message = f"{name} is declared twice, in two spellings"
-                self._complaints.error("declared-twice", message, span, "keep one of them")
-            seen.add(name)
-
     def phases(self) -> tuple[CheckedPhase | None, ...]:
         """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
@@ -295,7 +297,7 @@ class _ProgramCheck:
         )
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world.text)
+        world = WORLDS.get(self._declarations.world or "")
         if world is None:
             return
         way = self._declarations.displacement
@@ -321,12 +323,12 @@ class _ProgramCheck:
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world.text)
+        world = WORLDS.get(self._declarations.world or "")
         probes = self._declarations.displacement == "probing" and world is not None and not world.floats
         executed = [executable(stage, probes) for stage in phase.stages]
         controlled = {node.potential.space for stage in executed for node in controllers_in(stage)}
         for key, (spaces, lowering) in CONDITIONS.items():
-            if entry.conditions.get(key) is not None and not spaces & controlled and self._declarations.document:
+            if key in entry.conditions and not spaces & controlled and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
                 self._complaints.about(path)
                 self._complaints.warning(

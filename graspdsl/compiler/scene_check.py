@@ -10,22 +10,21 @@ from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.models import Spec
-from graspdsl.spec.scene import FILES
+from graspdsl.spec.scene import FILES, InlineObject
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
+START: Path = ("trials", "start")
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
-def check_scene(document: Document, complaints: Complaints) -> None:
-    """Complain about what the scene's world has not."""
-    name = _value(document, ("scene", "world"))
-    world = WORLDS.get(name) if isinstance(name, str) else None
-    if world is None:
-        return
-    _Check(document, complaints, world).all()
+def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Complain about what the scene's world has not, as far as the spec could be read."""
+    world = WORLDS.get(spec.scene.world)
+    if world is not None:
+        _Check(spec, document, complaints, world).all()
 
 
 def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
@@ -48,8 +47,8 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
 
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
-    world = WORLDS.get(scene.world.text)
-    if scene.names_hand or world is None or not world.floats:
+    world = WORLDS.get(scene.world or "")
+    if scene.names_hand or scene.hand is None or world is None or not world.floats:
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
     ways = listed((f"'hand: {name}' with {known[0]} to {known[-1]}" for name, known in bare.items()), "or")
@@ -57,8 +56,10 @@ def hand_for_floating(scene: Declarations) -> str | None:
 
 
 class _Check:
-    def __init__(self, document: Document, complaints: Complaints, world: WorldKind) -> None:
-        self._document, self._complaints, self._world = document, complaints, world
+    def __init__(self, spec: Spec, document: Document, complaints: Complaints, world: WorldKind) -> None:
+        self._spec, self._document, self._complaints, self._world = spec, document, complaints, world
+        thing = spec.scene.object
+        self._thing = thing if isinstance(thing, InlineObject) else None
 
     def all(self) -> None:
         self._without_effect()
@@ -67,32 +68,26 @@ class _Check:
         self._evaluation()
         self._centre_of_mass()
         self._sensing()
-        approach: Path = ("trials", "start", "approach")
-        chosen = _value(self._document, approach)
+        chosen = self._spec.trials.start.approach
         if chosen is not None and (chosen == "surface") != self._world.floats:
             hint = "write approach: surface, or leave it out" if self._world.floats else "use side or top"
-            self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
+            message = f"the {self._world.name} world has no start {chosen!r}"
+            self._error("start-not-in-world", message, (*START, "approach"), hint)
 
     def _without_effect(self) -> None:
         """Warn of settings that the scene passes over."""
-        start: Path = ("trials", "start")
-        given = _value(self._document, start)
-        names = given if isinstance(given, dict) else {}
-        idle = HAND_STARTS if self._world.floats else ("height",) if names.get("approach") == "top" else ()
+        trials = self._spec.trials
+        idle = HAND_STARTS if self._world.floats else ("height",) if trials.start.approach == "top" else ()
+        where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
         for name in idle:
-            if name in names:
-                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
-                self._warn(f"{name} has no effect: {where}", (*start, name))
-        grid: Path = ("trials", "grid")
-        axes = _value(self._document, grid)
-        for place, axis in enumerate(axes if isinstance(axes, list) else []):
-            mapped = axis.get("parameter") if isinstance(axis, dict) else None
-            if mapped in idle:
-                where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
-                self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
+            if self._document.has((*START, name)):
+                self._warn(f"{name} has no effect: {where}", (*START, name))
+        for place, axis in enumerate(trials.grid or ()):
+            if axis.parameter in idle:
+                path: Path = ("trials", "grid", place, "parameter")
+                self._warn(f"the grid's {axis.parameter} has no effect: {where}", path)
         friction: Path = ("scene", "friction")
-        judged = set(self._grades()) & WRENCH_GRADES
-        if self._world.floats and _value(self._document, friction) is not None and not judged:
+        if self._world.floats and self._document.has(friction) and WRENCH_GRADES.isdisjoint(self._spec.evaluate):
             self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
@@ -100,14 +95,13 @@ class _Check:
         self._complaints.warning("no-effect", message, self._document.key_span(path), "leave it out")
 
     def _shape(self) -> None:
-        thing = _value(self._document, ("scene", "object"))
+        thing = self._spec.scene.object
         path: Path = ("scene", "object")
-        if isinstance(thing, dict) and "like" in thing:
-            thing, path = thing["like"], (*path, "like")
-        if isinstance(thing, dict):
-            kinds = [kind for kind in EDGED if kind in thing]
-        else:
-            body = catalogue().get(str(thing))
+        kinds = [kind for kind in EDGED if self._document.has((*path, kind))]
+        if self._thing is not None and self._document.has((*path, "like")):
+            thing, path = self._thing.like or "", (*path, "like")
+        if isinstance(thing, str):
+            body = catalogue().get(thing)
             kinds = [body.shape.name] if body and body.shape.edged else []
         for kind in kinds:
             if self._world.floats:
@@ -115,59 +109,46 @@ class _Check:
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
 
     def _hand(self) -> None:
-        path: Path = ("scene", "hand")
-        hand = hands().get(str(_value(self._document, path) or "barrett"))
+        hand = hands().get(self._spec.scene.hand)
         if hand is not None and not hand.urdf and not self._world.floats:
             message = f"the hand {hand.hand} is bare contacts without a model"
-            self._error("hand-not-in-world", message, path, "use it in the floating world, or another hand here")
+            hint = "use it in the floating world, or another hand here"
+            self._error("hand-not-in-world", message, ("scene", "hand"), hint)
 
     def _sensing(self) -> None:
         path: Path = ("scene", "sensing")
-        chosen = _value(self._document, path)
-        names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, dict) else []
         for name, felt in FELT_BY_HANDS.items():
-            if self._world.floats and name in names:
+            chosen = self._spec.scene.sensing == name or self._document.has((*path, name))
+            if self._world.floats and chosen:
                 self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
-
-    def _grades(self) -> list[str | None]:
-        """What is written under ``evaluate``, None in place of what is no word."""
-        given = _value(self._document, ("evaluate",))
-        return [grade if isinstance(grade, str) else None for grade in given] if isinstance(given, list) else []
 
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
-        thing = _value(self._document, ("scene", "object"))
-        anchors = [name for name in ("held", "fixed") if isinstance(thing, dict) and thing.get(name) is True]
+        thing = self._thing
         if self._world.floats:
             why = "floating contacts have no hand and their object no weight"
-        elif anchors:
-            why = f"the object is {anchors[0]}"
+        elif thing is not None and (thing.held or thing.fixed):
+            why = f"the object is {'held' if thing.held else 'fixed'}"
         else:
             return
-        for place, grade in enumerate(self._grades()):
+        for place, grade in enumerate(self._spec.evaluate):
             if grade in HANDLING_GRADES:
                 hint = "leave it out, or use a free object in the bullet world"
                 self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""
-        held: Path = ("scene", "object", "held")
-        if self._world.floats and _value(self._document, held) is True:
+        thing = self._spec.scene.object
+        held = self._thing is not None and self._thing.held
+        if self._world.floats and held:
             message = "an object that contacts float on stays put: nothing holds it"
-            self._error("held-not-in-world", message, held, "leave it out")
-        origin: Path = ("control", "origin")
-        known = self._world.floats or _value(self._document, held) is True
-        if _value(self._document, origin) == "object" and not known:
+            self._error("held-not-in-world", message, ("scene", "object", "held"), "leave it out")
+        known = self._world.floats or held or thing is None
+        if self._spec.control.origin == "object" and not known:
             message = "moments cannot be taken about the object: its centre of mass is known only when it is held"
-            self._error("origin-not-sensed", message, origin, "use centroid, or add 'held: true' to the object")
+            hint = "use centroid, or add 'held: true' to the object"
+            self._error("origin-not-sensed", message, ("control", "origin"), hint)
 
     def _error(self, code: str, message: str, path: Path, hint: str) -> None:
         self._complaints.about(path)
         self._complaints.error(code, message, self._document.span(path), hint)
-
-
-def _value(document: Document, path: Path) -> object:
-    try:
-        return document.get(path)
-    except KeyError:
-        return None

@@ -274,6 +274,13 @@ class Document:
                 raise KeyError(path)
         return value
 
+    def has(self, path: Path) -> bool:
+        """Whether there is a value at a path, and not null."""
+        try:
+            return self.get(path) is not None
+        except KeyError:
+            return False
+
     def origin(self, path: Path) -> str | None:
         """The words that introduce a complaint about an overridden value, None for what comes from the file."""
         return next((self.overrides[path[:n]] for n in range(len(path), -1, -1) if path[:n] in self.overrides), None)

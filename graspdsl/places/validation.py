@@ -59,6 +59,11 @@ def _parts(annotation: Any) -> Iterator[Any]:
         yield annotation
 
 
+def alternatives(annotation: Any) -> list[Any]:
+    """The types that a value of an annotation may have."""
+    return [part for part in _parts(annotation) if isinstance(part, type) or get_origin(part) is not None]
+
+
 def _inside(annotation: Any, step: str | int) -> Iterator[Any]:
     """The annotations of what stands under ``step`` in a value."""
     for part in _parts(annotation):

@@ -31,7 +31,7 @@ def test_the_good_spec(tmp_path: Path, good: str) -> None:
     path = tmp_path / "towel.yaml"
     path.write_text(good, encoding="utf-8")
     loaded = load_spec(path)
-    assert (loaded.name, loaded.text) == ("towel.yaml", good)
+    assert (loaded.document.name, loaded.document.text) == ("towel.yaml", good)
     spec = loaded.spec
     assert spec.scene.object == "towel-roll"
     assert spec.resources["Γ"] == "{γ1, <γ2,γ3>}"
