@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
@@ -15,16 +16,13 @@ from graspdsl.compiler.definitions import Definition, definitions_with, prelude,
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
-from graspdsl.compiler.numbers_check import check_numbers
 from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.phase import CONDITIONS, CheckedPhase, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
-from graspdsl.compiler.sensing_check import check_sensing
+from graspdsl.compiler.scene_check import check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, target_of
-from graspdsl.compiler.start_check import check_sizes
-from graspdsl.compiler.trials_check import check_trials
+from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -41,6 +39,7 @@ from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HERE = FilePath()
+OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +101,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     phases = check.phases()
     _parameters_once(spec, document, complaints)
     check_scene(spec, document, complaints)
-    check_numbers(document, complaints)
+    _leading_zeros(document, complaints)
     if reading.is_sound("scene", "control", "program", "monitors"):
         check_monitors(spec, document, complaints)
     if reading.is_sound("scene", "trials"):
@@ -138,6 +137,27 @@ def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> 
             message = f"{name} is declared twice, in two spellings"
             complaints.error("declared-twice", message, document.key_span(path), "keep one of them")
         seen.add(name)
+
+
+def _leading_zeros(document: Document, complaints: Complaints) -> None:
+    """Warn of whole numbers with a leading zero, which YAML 1.1 has for octal ones."""
+    for path, text in _whole_numbers(document):
+        found = OCTAL.fullmatch(text)
+        decimal, octal = (int(found[1] + found[2], base) for base in (10, 8)) if found else (0, 0)
+        if decimal != octal:
+            complaints.about(path)
+            message = f"{text} is read as {decimal}; YAML 1.1 has it for the octal number {octal}"
+            complaints.warning("leading-zero", message, document.span(path), f"write {decimal}")
+
+
+def _whole_numbers(document: Document) -> Iterator[tuple[Path, str]]:
+    """Whole numbers as they are written, in the file or on the command line."""
+    for path, words in document.overrides.items():
+        if type(document.get(path)) is int:
+            yield path, words.partition("=")[2].strip()
+    for path, place in document.places.items():
+        if document.origin(path) is None and type(document.get(path)) is int:
+            yield path, place.value.value or ""
 
 
 # What is complained of when the section that declares it cannot be read, which has had its complaint.

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declarations
-from graspdsl.diagnostics import known_names_hint, listed
-from graspdsl.hands.descriptions import Robot, hands, joint_limits
+from graspdsl.diagnostics import listed
+from graspdsl.hands.descriptions import Robot, hands
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
-from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import FILES, InlineObject
+from graspdsl.spec.sensing import LoadCell, Sensing
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
 START: Path = ("trials", "start")
+DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
@@ -27,22 +28,30 @@ def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
         _Check(spec, document, complaints, world).all()
 
 
-def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
-    """Complain about a start posture of joints that the hand has not, or beyond their limits."""
-    limits = dict(zip(robot.joints, zip(*joint_limits(robot), strict=True), strict=True)) if robot.hand.urdf else {}
-    for name, place in spec.trials.start.posture.items():
-        path: Path = ("trials", "start", "posture", name)
+def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Complaints) -> None:
+    """Complain about load cells that the hand has not; warn of a touch that noise alone would begin."""
+    world = WORLDS[spec.scene.world]
+    if world.floats:
+        return
+    sensor = spec.scene.sensor
+    path: Path = ("scene", "hand" if spec.scene.sensing is None else "sensing")
+    without = [name for name, contact in robot.hand.contacts.items() if contact.link and not contact.cell]
+    if isinstance(sensor, LoadCell) and without:
+        message = (
+            f"{listed(without)} of the hand {robot.hand.hand} {'have' if len(without) > 1 else 'has'} no load cell"
+        )
         complaints.about(path)
-        if name not in robot.hand.joints:
-            message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
-            hint = known_names_hint(name, robot.hand.joints, "joints")
-            complaints.error("unknown-joint", message, document.key_span(path), hint)
-            continue
-        low, high = limits[name]
-        beyond = [number for number in numbers_of(place) if not low <= number <= high]
-        if beyond:
-            message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
-            complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
+        hint = "use sensing: skin, proximity or exact, or name the load cell's joint in the hand file"
+        complaints.error("not-sensed", message, document.span(path), hint)
+    noise = sensor.force_noise_at(world.rate)
+    if isinstance(spec.scene.sensing, Sensing) and sensor.touch.begins < DEVIATIONS * noise:
+        complaints.about(path)
+        message = (
+            f"a touch begins at {sensor.touch.begins:g} N, but the force of a reading has {noise:.2g} N of noise: "
+            "fingers will feel touches that are none"
+        )
+        hint = f"let it begin above {DEVIATIONS * noise:.2g} N: 'touch: {{begins: …, ends: …}}', or lower the noise"
+        complaints.warning("threshold-in-noise", message, document.span(path), hint)
 
 
 def hand_for_floating(scene: Declarations) -> str | None:

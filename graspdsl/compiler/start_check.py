@@ -1,4 +1,4 @@
-"""What can be known of the starts of a spec from sizes alone, before anything is simulated."""
+"""What can be known of the trials of a spec and of their starts before anything is simulated."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.hands.descriptions import Hand
+from graspdsl.diagnostics import known_names_hint
+from graspdsl.hands.descriptions import Hand, Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shape import convex_parts
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import STANDING, fall_of
 from graspdsl.places.document import Document, Path
-from graspdsl.spec.distributions import Choice, Normal, Uniform
+from graspdsl.spec.distributions import Choice, Normal, Uniform, numbers_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.trials import PARAMETERS
@@ -29,6 +30,7 @@ AROUND = 24  # directions about the normal of the palm in which an object's widt
 OBLIQUE = 0.75  # cosine of an angle
 ASIDE = 1e-4
 SPREAD = 3.0  # standard deviations that are looked at
+HINT = "or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
 START: Path = ("trials", "start")
 
 
@@ -37,6 +39,48 @@ def check_sizes(
 ) -> None:
     """Warn of objects that do not stand or that no hand takes, and of palms that are nowhere near the object."""
     _Sizes(spec, hand, motion, body, document, complaints).all()
+
+
+def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
+    """Complain about a start posture of joints that the hand has not, or beyond their limits."""
+    limits = dict(zip(robot.joints, zip(*joint_limits(robot), strict=True), strict=True)) if robot.hand.urdf else {}
+    for name, place in spec.trials.start.posture.items():
+        path: Path = ("trials", "start", "posture", name)
+        complaints.about(path)
+        if name not in robot.hand.joints:
+            message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
+            hint = known_names_hint(name, robot.hand.joints, "joints")
+            complaints.error("unknown-joint", message, document.key_span(path), hint)
+            continue
+        low, high = limits[name]
+        beyond = [number for number in numbers_of(place) if not low <= number <= high]
+        if beyond:
+            message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
+            complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
+
+
+def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Warn of more trials asked for than can differ, and of cells of a grid that no trial begins in."""
+    trials, different = spec.trials, spec.different_trials
+    if "count" in trials.model_fields_set and trials.count > different:
+        message = f"only {different:g} of {trials.count} trials can differ: the others repeat them"
+        if different == 1:
+            message = f"nothing is drawn at random: all {trials.count} trials are equal"
+        _warn_of_key(
+            document, complaints, "equal-trials", message, ("trials", "count"), f"write count: {different:g}, {HINT}"
+        )
+    cells = math.prod(axis.cells for axis in trials.grid or ())
+    if cells > trials.count:
+        message = (
+            f"{trials.count} trials begin in the first {trials.count} of the grid's {cells} cells, and in no other"
+        )
+        hint = f"write count: {cells}, or use fewer cells"
+        _warn_of_key(document, complaints, "empty-cells", message, ("trials", "grid"), hint)
+
+
+def _warn_of_key(document: Document, complaints: Complaints, code: str, message: str, path: Path, hint: str) -> None:
+    complaints.about(path)
+    complaints.warning(code, message, document.key_span(path), hint)
 
 
 class _Sizes:

@@ -21,6 +21,7 @@ class Box(DescribedShape):
 
     name: ClassVar = "box"
     about: ClassVar = "a box"
+    upright: ClassVar = False
     edged: ClassVar = True
     rests: ClassVar = True
 
@@ -32,11 +33,6 @@ class Box(DescribedShape):
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return self.size
-
-    @property
-    def upright(self) -> bool:
-        """Its longest edge may be any."""
-        return False
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]]:

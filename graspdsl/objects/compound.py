@@ -88,27 +88,18 @@ class Placed:
 
 @dataclass(frozen=True)
 class Compound(Shape):
-    """Parts that touch and do not overlap; the origin is on the axis of the whole, at half its height.
-
-    ``from_elsewhere``: its origin and its axes mean nothing, so that its longest extent is its major axis.
-    """
+    """Parts that touch and do not overlap; the origin is on the axis of the whole, at half its height."""
 
     name: ClassVar = "compound"
     edged: ClassVar = True
     convex: ClassVar = False
 
     parts: tuple[Placed, ...]
-    from_elsewhere: bool = False
 
     @cached_property
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return _extent(self)
-
-    @property
-    def upright(self) -> bool:
-        """What is from elsewhere may be long in any direction."""
-        return not self.from_elsewhere
 
     @property
     def solid(self) -> Solid:
@@ -128,6 +119,12 @@ class Compound(Shape):
     def support(self, direction: Array) -> float:
         """How far the shape reaches from its origin along a unit vector (3,) [m]."""
         return max(placed.support(direction) for placed in self.parts)
+
+
+class Found(Compound):
+    """A compound from elsewhere: its axes mean nothing, so that its longest extent is its major axis."""
+
+    upright: ClassVar = False
 
 
 def rotation_of(rpy: Extent) -> Array:
@@ -159,7 +156,7 @@ def centred(parts: Sequence[Placed]) -> Compound:
     """The compound of parts from elsewhere, about the centre of its bounding box."""
     whole = Compound(tuple(parts))
     x, y, z = ((whole.support(-axis) - whole.support(axis)) / 2 for axis in np.eye(3))
-    return Compound(_moved(parts, (x, y, z)), from_elsewhere=True)
+    return Found(_moved(parts, (x, y, z)))
 
 
 def _moved(parts: Sequence[Placed], by: Extent) -> tuple[Placed, ...]:

@@ -28,6 +28,7 @@ class Ellipsoid(DescribedShape):
 
     name: ClassVar = "ellipsoid"
     about: ClassVar = "an ellipsoid"
+    upright: ClassVar = False
 
     size: Sizes = Field(description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.15]])
 
@@ -35,11 +36,6 @@ class Ellipsoid(DescribedShape):
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return self.size
-
-    @property
-    def upright(self) -> bool:
-        """Its longest axis may be any."""
-        return False
 
     @property
     def solid(self) -> Solid:

@@ -27,12 +27,14 @@ class Shape(ABC):
     """A solid of even density about the origin, its axis along z, lengths in m.
 
     ``name``: what messages call it. ``edged``: it has edges, on which a contact that floats has no normal. ``convex``:
-    a hand can take it only as a whole. ``rests``: it stays as it is put down. ``rolls``: it may, and never leans.
+    a hand can take it only as a whole. ``upright``: its z axis is its major axis, however long the others are.
+    ``rests``: it stays as it is put down. ``rolls``: it may, and never leans.
     """
 
     name: ClassVar[str]
     edged: ClassVar[bool] = False
     convex: ClassVar[bool] = True
+    upright: ClassVar[bool] = True
     rests: ClassVar[bool] = False
     rolls: ClassVar[bool] = False
 
@@ -52,11 +54,6 @@ class Shape(ABC):
     @abstractmethod
     def support(self, direction: Array) -> float:
         """How far it reaches from its origin along a unit vector (3,) [m]."""
-
-    @property
-    def upright(self) -> bool:
-        """Whether its z axis is its major axis, however long the others are."""
-        return True
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]] | None:

@@ -28,6 +28,7 @@ class Superquadric(DescribedShape):
 
     name: ClassVar = "superquadric"
     about: ClassVar = "a superquadric"
+    upright: ClassVar = False
 
     size: Sizes = Field(description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.16]])
     exponent: Number = Field(ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box")
@@ -36,11 +37,6 @@ class Superquadric(DescribedShape):
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return self.size
-
-    @property
-    def upright(self) -> bool:
-        """Its longest axis may be any."""
-        return False
 
     @property
     def solid(self) -> Solid:

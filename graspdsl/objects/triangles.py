@@ -33,6 +33,7 @@ class TriangleMesh(Shape):
     name: ClassVar = "mesh"
     edged: ClassVar = True
     convex: ClassVar = False
+    upright: ClassVar = False
 
     vertices: Array
     faces: Faces
@@ -54,11 +55,6 @@ class TriangleMesh(Shape):
     def solid(self) -> Solid:
         """What its mass is counted for."""
         return self.content
-
-    @property
-    def upright(self) -> bool:
-        """It may be long in any direction."""
-        return False
 
     def facets(self) -> tuple[Shaded, ...]:
         """Its triangles."""

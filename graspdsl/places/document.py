@@ -6,14 +6,13 @@ import copy
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path as FilePath
 from typing import Any
 
 from yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, Span, in_reading_order
 from graspdsl.places.composing import DEPTH_LIMIT, NODE_LIMIT, compose, too_deep, too_many_nodes
-from graspdsl.places.files import SIZE_LIMIT, read_text, too_large, with_plain_line_ends
+from graspdsl.places.files import SIZE_LIMIT, too_large, with_plain_line_ends
 from graspdsl.places.positions import Lines, Piece, source_text
 from graspdsl.places.wording import Data, quoted, shortened, shown
 
@@ -375,11 +374,3 @@ def parse_document(text: str, name: str) -> Document:
     if faults:
         raise DiagnosticError(in_reading_order(fault for _, fault in faults))
     return document
-
-
-def read_document(path: FilePath) -> Document:
-    """The document of a YAML file.
-
-    Raises :class:`DiagnosticError` when the file cannot be read, and as :func:`parse_document` does.
-    """
-    return parse_document(read_text(path), path.name)

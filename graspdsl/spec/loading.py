@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path as FilePath
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.places.document import Document, Path, parse_with_faults
-from graspdsl.places.files import read_text
 from graspdsl.places.validation import alternatives, validation_faults, with_known_keys
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
@@ -57,11 +55,6 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
     unread = {path for path, _ in reading_faults if path is not None}
     faults += [fault for path, fault in found if not any(path[:n] in unread for n in range(1, len(path) + 1))]
     return Reading(document, _best(Spec, document.data), tuple(faults), frozenset(path for path, _ in found))
-
-
-def load_spec(path: FilePath, overrides: Sequence[str] = ()) -> Reading:
-    """The reading of a file without faults. Raises :class:`DiagnosticError` with all those of any other."""
-    return load_spec_text(read_text(path), path.name, overrides)
 
 
 def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:

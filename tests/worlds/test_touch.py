@@ -11,7 +11,7 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.program import program_of
-from graspdsl.compiler.sensing_check import check_sensing
+from graspdsl.compiler.scene_check import check_sensing
 from graspdsl.hands.descriptions import HERE, Contact, Robot
 from graspdsl.hands.fingertips import EllipsoidTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
