@@ -45,8 +45,12 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
     """
     document, reading_faults = parse_with_faults(text, name)
     document, faults = apply_overrides(document, overrides)
-    document, key_faults = with_known_keys(document, Spec)
-    faults += [*(fault for _, fault in reading_faults), *key_faults]
+    faults += [fault for _, fault in reading_faults]
+    try:
+        return Reading(document, Spec.model_validate(document.data), tuple(faults))
+    except ValidationError:
+        document, key_faults = with_known_keys(document, Spec)
+        faults += key_faults
     try:
         return Reading(document, Spec.model_validate(document.data), tuple(faults))
     except ValidationError as error:

@@ -11,6 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.objects.box import Box
 from graspdsl.objects.ellipsoid import Ellipsoid
 from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shapes import SHAPES as TABLE
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.sphere import Sphere
 
@@ -28,6 +29,19 @@ def _unit(direction: tuple[float, float, float]) -> Array:
 
 def _reach(vertices: Array, direction: Array) -> float:
     return float((vertices @ direction).max())
+
+
+def test_every_shape_that_a_spec_can_describe_is_here_under_its_own_name() -> None:
+    assert {type(shape) for shape in SHAPES.values()} >= {*TABLE.values()}
+    assert [kind.name for kind in TABLE.values()] == [*TABLE]
+
+
+@EACH_SHAPE
+def test_an_engine_s_own_shape_is_of_the_same_size(name: str) -> None:
+    shape = SHAPES[name]
+    halves = shape.primitive[1] if shape.primitive else ()
+    across = halves[:1] * (4 - len(halves)) + halves[1:]  # of a radius, in every direction that has no number
+    assert not halves or np.array_equal(2 * np.array(across), shape.extent)
 
 
 @EACH_SHAPE
