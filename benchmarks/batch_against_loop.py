@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from graspdsl.compiler.program import program_of
-from graspdsl.objects.floating_surface import surface_of
 from graspdsl.trials.batch import run_batch
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
@@ -22,7 +21,7 @@ SINGLES = 20
 def main() -> None:
     """Measure and print."""
     program = program_of(SPEC.read_text("utf-8"), SPEC.name)
-    surface = surface_of(program.body.shape)
+    surface = program.body.shape.surface()
     (pipelines,) = program.pipelines()
     contacts = len(program.robot.contacts)
 

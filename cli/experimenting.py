@@ -15,12 +15,12 @@ from graspdsl.cli.running import RUNS, carried_on, keeping, opened, page_of
 from graspdsl.cli.tables import row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
+from graspdsl.places.document import parse_document
 from graspdsl.report.claim_words import MARKS
 from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
-from graspdsl.spec.document import parse_document
 from graspdsl.trials.lock import locked
 from graspdsl.trials.runner import new_run, pending, program_of_run
 from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, made

@@ -47,8 +47,7 @@ def reading(name: str, source: str = "") -> Iterator[None]:
 def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | None, str, tuple[Diagnostic, ...]]:
     """The program of a spec file if it is sound, its text, and every complaint about it."""
     from graspdsl.compiler.program import examine
-    from graspdsl.spec.files import read_text
-    from graspdsl.spec.named_files import folder_of_files
+    from graspdsl.places.files import folder_of_files, read_text
 
     try:
         source = read_text(path)
@@ -64,7 +63,7 @@ def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
     if HAND_FILE.match(source) is None:
         return source, diagnostics
     from graspdsl.hands.hand_files import HandFileError, hand_in
-    from graspdsl.spec.named_files import SpecFolder
+    from graspdsl.places.files import SpecFolder
 
     try:
         return source, hand_in(SpecFolder(path.parent), path.name).warnings

@@ -17,11 +17,11 @@ from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
 from graspdsl.cli.tables import reasons_table, row, table, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import on_one_line
+from graspdsl.places.files import COPIES
 from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
 from graspdsl.report.map_files import FILES, map_files
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare, replace
-from graspdsl.spec.named_files import COPIES
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells
 from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused

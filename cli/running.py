@@ -15,11 +15,11 @@ from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line
+from graspdsl.places.files import read_text
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import numbers_of
-from graspdsl.spec.files import read_text
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run

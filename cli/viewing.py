@@ -15,14 +15,13 @@ from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import complain, result, say
 from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
+from graspdsl.compiler.object_check import body_in
 from graspdsl.diagnostics import Diagnostic, known_names_hint, on_one_line
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
-from graspdsl.objects.bodies import body_in
 from graspdsl.objects.shapes import Body, catalogue
+from graspdsl.places.files import SpecFolder, read_text
 from graspdsl.report.writing import replace
-from graspdsl.spec.files import read_text
-from graspdsl.spec.named_files import SpecFolder
 from graspdsl.spec.scene import InlineObject, Mesh
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, has_errors
 from graspdsl.notation.names import canonical
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 
 
 class Complaints:
-    """Collects diagnostics; those about a value given on the command line say so instead of a place in the file."""
+    """Collects diagnostics; those about a value given on the command line say so instead of a place in the file.
 
-    def __init__(self, document: Document | None = None) -> None:
+    ``parameters``: the names of the spec's parameters, as they are written.
+    """
+
+    def __init__(self, document: Document | None = None, parameters: Iterable[str] = ()) -> None:
         self._document = document
+        self._parameters = {canonical(name): name for name in parameters}
         self._path: Path = ()
         self.found: list[Diagnostic] = []
         self._of_definitions: set[tuple[str, str]] = set()
@@ -53,14 +57,12 @@ class Complaints:
 
     def of_parameter(self, name: str, complaint: Diagnostic) -> None:
         """Add a diagnostic about the value of a parameter, which all formulas that use it would repeat."""
-        document = self._document
-        keys = document.data.get("parameters") if document else None
-        given = {canonical(key): key for key in keys} if isinstance(keys, dict) else {}
-        if document is None or name not in given:
+        if self._document is None or name not in self._parameters:
             self.add(complaint)
             return
-        before = self.about(("parameters", given[name]))
-        self.add(replace(complaint, span=document.span(("parameters", given[name]))))
+        path: Path = ("parameters", self._parameters[name])
+        before = self.about(path)
+        self.add(replace(complaint, span=self._document.span(path)))
         self.about(before)
 
     def take(self, error: DiagnosticError) -> None:

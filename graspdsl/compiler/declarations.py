@@ -1,19 +1,24 @@
-"""What a spec declares for its formulas, taken from the document as far as it can be read.
+"""What a spec declares for its formulas, as far as it could be read.
 
-The checker works on a faulty document too, so that faults of formulas are reported along with all others.
+The checker works on a faulty spec too, so that faults of formulas are reported along with all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 
 from graspdsl.diagnostics import SourceText
 from graspdsl.notation.names import canonical
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
-from graspdsl.spec.models import LARGEST_PARAMETER
+from graspdsl.places.document import Document, Path
+from graspdsl.spec.models import ControllerDefinition, Spec
+from graspdsl.spec.program import Until
+from graspdsl.spec.scene import InlineObject
 from graspdsl.worlds.kinds import WORLDS
+
+HAND: Path = ("scene", "hand")
+OBJECT: Path = ("scene", "object")
+DEFAULT_WORLD = "bullet"  # of expressions outside a spec
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,34 +34,35 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class PhaseEntry:
-    """A phase's formula and which conditions end it."""
+    """A phase's formula and the names of the conditions that end it."""
 
     formula: SourceText
     path: Path
-    conditions: Mapping[str, object]
+    conditions: Collection[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Declarations:
     """The scene's names, and the entries of ``resources``, ``controllers``, ``parameters`` and ``program``.
 
-    A parameter whose value could not be read, which has had its complaint, is None. ``unread`` are the names of
-    resources whose declarations are no texts, which have had theirs too.
+    A name or a parameter that could not be read, which has had its complaint, is None. ``unread`` are the names of
+    resources whose declarations are no texts, which have had theirs too. ``holds`` and ``senses_gravity``: whether the
+    object is held, and where its centre of mass is known; where the object or the world could not be read, they may be.
     """
 
-    hand: SourceText
-    names_hand: bool
-    mount: SourceText
-    world: SourceText
-    object: SourceText | None
-    object_path: Path
-    holds: bool
-    senses_gravity: bool
-    displacement: str
-    resources: tuple[Entry, ...]
-    controllers: tuple[Entry, ...]
-    parameters: Mapping[str, tuple[float, ...] | None]
-    phases: tuple[PhaseEntry, ...]
+    hand: SourceText | None
+    mount: str | None
+    world: str | None
+    object: SourceText | None = None
+    object_path: Path = ()
+    names_hand: bool = False
+    holds: bool = False
+    senses_gravity: bool = True
+    displacement: str = "sliding"
+    resources: tuple[Entry, ...] = ()
+    controllers: tuple[Entry, ...] = ()
+    parameters: Mapping[str, tuple[float, ...] | None] = field(default_factory=dict)
+    phases: tuple[PhaseEntry, ...] = ()
     document: Document | None = None
     unread: tuple[str, ...] = ()
 
@@ -66,105 +72,68 @@ def default_scene() -> Declarations:
     resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
     return Declarations(
         hand=SourceText.of("barrett"),
-        names_hand=False,
-        mount=SourceText.of("gantry"),
-        world=SourceText.of("bullet"),
-        object=None,
-        object_path=(),
-        holds=False,
-        senses_gravity=True,
-        displacement="sliding",
+        mount="gantry",
+        world=DEFAULT_WORLD,
         resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
-        controllers=(),
         parameters={"κ_f": (0.5,)},
-        phases=(),
     )
 
 
-def declarations_of(document: Document) -> Declarations:
-    """What can be read of a document, whatever else is wrong with it."""
-    fallback = default_scene()
-    scene = document.data.get("scene")
-    inline = isinstance(scene, dict) and isinstance(scene.get("object"), dict)
-    object_path: Path = ("scene", "object", "like") if inline else ("scene", "object")
+def declarations_of(spec: Spec, document: Document) -> Declarations:
+    """What a spec declares, each text with its places in the document; what could not be read is left out."""
+    scene, thing = spec.scene, spec.scene.object
+    named, path = (thing.like, (*OBJECT, "like")) if isinstance(thing, InlineObject) else (thing, OBJECT)
+    holds = thing is None or (isinstance(thing, InlineObject) and thing.held is not False)
     return Declarations(
-        hand=_text(document, ("scene", "hand")) or fallback.hand,
-        names_hand=isinstance(scene, dict) and "hand" in scene,
-        mount=_text(document, ("scene", "mount")) or fallback.mount,
-        world=_text(document, ("scene", "world")) or fallback.world,
-        object=_text(document, object_path),
-        object_path=object_path,
-        holds=_holds(document),
-        senses_gravity=_senses_gravity(document),
-        displacement="probing" if _mapping(document, "control").get("displacement") == "probing" else "sliding",
-        resources=_entries(document, "resources"),
-        controllers=_entries(document, "controllers"),
-        parameters=_parameters(document),
-        phases=_phases(document),
+        hand=_placed(document, HAND, scene.hand),
+        mount=scene.mount,
+        world=scene.world,
+        object=_placed(document, path, named),
+        object_path=path,
+        names_hand=document.has(HAND),
+        holds=holds,
+        senses_gravity=scene.world is None or WORLDS[scene.world].knows_object or holds,
+        displacement=spec.control.displacement or "sliding",
+        resources=_entries(document, "resources", spec.resources),
+        controllers=_entries(document, "controllers", spec.controllers),
+        parameters={canonical(name): _vector(value) for name, value in spec.parameters.items()},
+        phases=_phases(spec, document),
         document=document,
-        unread=_unread(document),
+        unread=tuple(canonical(name) for name, meaning in spec.resources.items() if meaning is None),
     )
 
 
-def _senses_gravity(document: Document) -> bool:
-    """Where the object's centre of mass is, is known of a held object and of a floating world's."""
-    scene = document.data.get("scene")
-    world = WORLDS.get(str(scene.get("world"))) if isinstance(scene, dict) else None
-    return not isinstance(scene, dict) or (world is not None and world.knows_object) or _holds(document)
-
-
-def _holds(document: Document) -> bool:
-    scene = document.data.get("scene")
-    thing = scene.get("object") if isinstance(scene, dict) else None
-    return isinstance(thing, dict) and thing.get("held") is True
-
-
-def _text(document: Document, path: Path) -> SourceText | None:
-    try:
-        return document.source_text(path) if isinstance(document.get(path), str) else None
-    except KeyError:
+def _placed(document: Document, path: Path, text: str | None) -> SourceText | None:
+    """A text with its places; those of a default count from 1:1."""
+    if text is None:
         return None
+    return document.source_text(path) if document.has(path) else SourceText.of(text)
 
 
-def _mapping(document: Document, key: str) -> Mapping[str, object]:
-    value = document.data.get(key)
-    return value if isinstance(value, dict) else {}
-
-
-def _entries(document: Document, section: str) -> tuple[Entry, ...]:
-    entries = []
-    for key, value in _mapping(document, section).items():
-        path: Path = (section, key, "is") if isinstance(value, dict) else (section, key)
-        text = _text(document, path)
-        said = [value.get(name) if isinstance(value, dict) else None for name in ("equation", "about")]
+def _entries(document: Document, section: str, entries: Mapping[str, str | ControllerDefinition]) -> tuple[Entry, ...]:
+    found = []
+    for key, entry in entries.items():
+        path: Path = (section, key)
+        if isinstance(entry, ControllerDefinition):
+            path, body, said = (*path, "is"), entry.body, (entry.equation or "", entry.about or "")
+        else:
+            body, said = entry, ("", "")
+        text = _placed(document, path, body)
         if text is not None:
-            words = (word if isinstance(word, str) else "" for word in said)
-            entries.append(Entry(document.key_source_text((section, key)), text, path, *words))
-    return tuple(entries)
+            found.append(Entry(document.key_source_text((section, key)), text, path, *said))
+    return tuple(found)
 
 
-def _unread(document: Document) -> tuple[str, ...]:
-    declared = _mapping(document, "resources").items()
-    return tuple(canonical(name) for name, meaning in declared if not isinstance(meaning, str))
+def _vector(value: float | tuple[float, ...] | None) -> tuple[float, ...] | None:
+    return value if value is None or isinstance(value, tuple) else (value,)
 
 
-def _parameters(document: Document) -> dict[str, tuple[float, ...] | None]:
-    found: dict[str, tuple[float, ...] | None] = {}
-    for key, value in _mapping(document, "parameters").items():
-        listed = value if isinstance(value, list) else [value]
-        numbers = [n for n in listed if isinstance(n, int | float) and not isinstance(n, bool)]
-        sound = numbers and len(numbers) == len(listed) and all(abs(n) <= LARGEST_PARAMETER for n in numbers)
-        found[canonical(key)] = tuple(map(float, numbers)) if sound else None
-    return found
-
-
-def _phases(document: Document) -> tuple[PhaseEntry, ...]:
-    program = document.data.get("program")
-    phases = []
-    for index, phase in enumerate(program if isinstance(program, list) else []):
+def _phases(spec: Spec, document: Document) -> tuple[PhaseEntry, ...]:
+    found = []
+    for index, phase in enumerate(spec.program):
         path: Path = ("program", index, "run")
-        text = _text(document, path)
-        if text is not None and isinstance(phase, dict):
-            until = phase.get("until")
-            phases.append(PhaseEntry(text, path, until if isinstance(until, dict) else {}))
-    return tuple(phases)
+        text = _placed(document, path, phase.run)
+        if text is not None:
+            conditions = [name for name in Until.model_fields if document.has(("program", index, "until", name))]
+            found.append(PhaseEntry(text, path, conditions))
+    return tuple(found)

@@ -33,7 +33,7 @@ from graspdsl.notation.tree import (
     Vector,
     Virtual,
 )
-from graspdsl.spec.constructing import Path
+from graspdsl.places.document import Path
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,8 +32,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shapes import Body
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control, Phase, Until
 from graspdsl.spec.scene import InlineObject
@@ -113,9 +112,10 @@ class _Check:
             why = lacks.get("weight", "the object is fixed to the world")
             idle.update({(*path, "mass"): why} if thing.mass is not None else {})
             idle.update({(*path, "mesh", "density"): why} if thing.mesh and thing.mesh.density is not None else {})
-        cylinder = thing.cylinder if isinstance(thing, InlineObject) else None
-        if cylinder is not None and "edge" in cylinder.model_fields_set and "edges" not in lacks:
-            idle[*path, "cylinder", "edge"] = "edges are rounded only where contacts float"
+        shape = thing.shape if isinstance(thing, InlineObject) else None
+        if shape is not None and "edges" not in lacks:
+            given = (key for key in shape.floating_only if key in shape.model_fields_set)
+            idle.update(((*path, shape.name, key), "edges are rounded only where contacts float") for key in given)
         for place, why in idle.items():
             self._warn("no-effect", f"{place[-1]} has no effect: {why}", place, "leave it out")
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.objects.shapes import Sphere, catalogue
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.objects.shapes import catalogue
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import OFF, TIMES
 from graspdsl.spec.scene import InlineObject
@@ -71,6 +70,6 @@ def _idle(spec: Spec) -> Mapping[str, str]:
 def _is_ball(thing: str | InlineObject) -> bool:
     name = thing if isinstance(thing, str) else thing.like
     if name is None:
-        return isinstance(thing, InlineObject) and thing.sphere is not None
+        return isinstance(thing, InlineObject) and thing.shape is not None and thing.shape.rolls
     known = catalogue().get(name)
-    return known is not None and isinstance(known.shape, Sphere)
+    return known is not None and known.shape.rolls

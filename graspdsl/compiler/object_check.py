@@ -1,24 +1,29 @@
-"""Can the object of a scene be had: its shape be made, its files be read."""
+"""The object of a scene: of the catalogue, described in the spec, or read from a user's files."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path as FilePath
-from pathlib import PurePosixPath
+from pathlib import PurePath, PurePosixPath
+
+import numpy as np
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.objects.bodies import body_in
-from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.mesh_files import SUFFIXES
-from graspdsl.objects.shapes import Body, Cylinder, catalogue, shape_from
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.objects.mesh_files import SUFFIXES, mesh_of_file
+from graspdsl.objects.shapes import Body, catalogue
+from graspdsl.objects.urdf_files import object_of_urdf
+from graspdsl.places.document import Document, Path
+from graspdsl.places.files import NamedFile, SpecFolder
+from graspdsl.places.wording import shortened
 from graspdsl.spec.models import Spec
-from graspdsl.spec.named_files import NamedFile, SpecFolder
-from graspdsl.spec.scene import InlineObject
-from graspdsl.spec.wording import shortened
+from graspdsl.spec.scene import InlineObject, Mesh
 from graspdsl.worlds.kinds import WORLDS
+
+DEFAULT_MASS = 0.5  # kg
+
+Warn = Callable[[Diagnostic], None]
 
 
 def file_hint(name: str, on_command_line: bool = False) -> str | None:
@@ -61,19 +66,42 @@ def found_object(
 
 
 def _possible(spec: Spec, thing: InlineObject, document: Document, complaints: Complaints) -> bool:
-    """Whether the sizes of a shape go together; the edge of a cylinder is of floating contacts only."""
-    if thing.shape is None or thing.box is not None:
-        return True
-    kind, fields = thing.shape
-    shape = shape_from({kind: fields})
-    if isinstance(shape, Cylinder) and WORLDS[spec.scene.world].has("edges"):
+    """Whether the sizes of a shape go together, and where contacts float its roundings too."""
+    shape = thing.shape
+    if shape is None:
         return True
     try:
-        surface_of(shape)
+        _ = shape.surface() if not WORLDS[spec.scene.world].has("edges") and not shape.edged else shape.solid
     except ValueError as error:
-        path: Path = ("scene", "object", kind)
+        path: Path = ("scene", "object", shape.name)
         complaints.about(path)
-        message = f"there is no such {kind}: {error}"
+        message = f"there is no such {shape.name}: {error}"
         complaints.error("impossible-shape", message, document.span(path), "make its sizes and roundings fit together")
         return False
     return True
+
+
+def body_in(folder: SpecFolder, choice: str | InlineObject, warn: Warn) -> Body:
+    """The object that a scene names or describes; its files are in the folder, what is odd about them goes to ``warn``.
+
+    Raises DiagnosticError when a file cannot be read or holds no solid.
+    """
+    if isinstance(choice, str):
+        return catalogue()[choice]
+    if choice.mesh is not None:
+        return _of_mesh(folder, choice, choice.mesh, warn)
+    if choice.urdf is not None:
+        found = object_of_urdf(choice.urdf, folder, warn)
+        mass = choice.mass or found.mass or DEFAULT_MASS
+        return Body(choice.name or PurePath(choice.urdf).stem, found.shape, mass, digest=folder.digest)
+    if choice.shape is None:
+        known = catalogue()[choice.like or ""]
+        return replace(known, name=choice.name or known.name, mass=choice.mass or known.mass)
+    return Body(choice.name or choice.shape.name, choice.shape, choice.mass or DEFAULT_MASS)
+
+
+def _of_mesh(folder: SpecFolder, choice: InlineObject, mesh: Mesh, warn: Warn) -> Body:
+    content = folder.read(mesh.file)
+    shape = mesh_of_file(mesh.file, content, np.full(3, mesh.scale), mesh.convex, warn)
+    mass = choice.mass or (DEFAULT_MASS if mesh.density is None else mesh.density * shape.solid.volume)
+    return Body(choice.name or PurePath(mesh.file).stem, shape, mass, digest=folder.digest)

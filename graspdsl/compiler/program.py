@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 
@@ -11,21 +12,18 @@ from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, whole
-from graspdsl.compiler.declarations import Declarations, PhaseEntry, declarations_of, default_scene
+from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of, default_scene
 from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
-from graspdsl.compiler.numbers_check import check_numbers
 from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.phase import CheckedPhase, conditions_lowered, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_start_posture, hand_for_floating
-from graspdsl.compiler.sensing_check import check_sensing
+from graspdsl.compiler.scene_check import check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, different_trials, target_of
-from graspdsl.compiler.start_check import check_sizes
-from graspdsl.compiler.trials_check import check_trials
+from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -34,17 +32,17 @@ from graspdsl.hands.mount_check import taken_names
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
-from graspdsl.spec.loading import read_spec
+from graspdsl.places.document import Document, Path
+from graspdsl.places.files import NamedFile, SpecFolder
+from graspdsl.places.validation import unknown_value
+from graspdsl.spec.loading import Reading, read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
-from graspdsl.spec.named_files import NamedFile, SpecFolder
-from graspdsl.spec.validation import unknown_value
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, worlds_with
 
 HERE = FilePath()
+OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,32 +99,34 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     Files that the spec names by relative paths are in ``folder``.
     """
     try:
-        document, spec, faults = read_spec(text, name, overrides)
+        reading = _with_known_names(read_spec(text, name, overrides))
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
-    complaints = Complaints(document)
+    spec, document = reading.spec, reading.document
+    complaints = Complaints(document, spec.parameters)
     hand_files = SpecFolder(folder)
-    check = _ProgramCheck(declarations_of(document), complaints, hand_files)
+    check = _ProgramCheck(declarations_of(spec, document), complaints, hand_files)
     phases = check.phases()
-    check_scene(document, complaints)
-    check_numbers(document, complaints)
-    thing = None
-    if spec is not None and spec.scene.world not in WORLDS:
-        spec = None  # of which nothing more can be said
-    if spec is not None:
+    _parameters_once(spec, document, complaints)
+    check_scene(spec, document, complaints)
+    _leading_zeros(document, complaints)
+    if reading.is_sound("scene", "control", "program", "monitors"):
         check_monitors(spec, document, complaints)
+    if reading.is_sound("scene", "trials"):
         check_trials(spec, document, complaints)
-        thing = found_object(spec, document, complaints, folder)
-    if spec is not None and check.robot is not None:
+    thing = found_object(spec, document, complaints, folder) if reading.is_sound("scene") else None
+    if check.robot is not None and reading.is_sound("trials"):
         check_start_posture(spec, check.robot, document, complaints)
+    if check.robot is not None and reading.is_sound("scene"):
         check_sensing(spec, document, check.robot, complaints)
+    if check.robot is not None and not reading.unread:
         moves = WORLDS[spec.scene.world].has("hand") and check.robot.has_model
         motion = FingertipMotion(check.robot) if moves else None
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
         if thing is not None and motion is not None:
             check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
-    diagnostics = in_reading_order([*faults, *_own(complaints.found, document)])
-    if spec is None or check.robot is None or thing is None or has_errors(diagnostics):
+    diagnostics = in_reading_order([*reading.faults, *_own(complaints.found, reading)])
+    if check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
     body, object_files = thing
     files = (*hand_files.files, *object_files)
@@ -135,15 +135,60 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     return Examination(Program(spec, check.robot, world, sound, body, files, definitions), diagnostics)
 
 
+def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:
+    seen = set[str]()
+    for key in spec.parameters:
+        path: Path = ("parameters", key)
+        name = canonical(key)
+        if name in seen:
+            complaints.about(path)
+            message = f"{name} is declared twice, in two spellings"
+            complaints.error("declared-twice", message, document.key_span(path), "keep one of them")
+        seen.add(name)
+
+
+def _leading_zeros(document: Document, complaints: Complaints) -> None:
+    """Warn of whole numbers with a leading zero, which YAML 1.1 has for octal ones."""
+    for path, text in _whole_numbers(document):
+        found = OCTAL.fullmatch(text)
+        decimal, octal = (int(found[1] + found[2], base) for base in (10, 8)) if found else (0, 0)
+        if decimal != octal:
+            complaints.about(path)
+            message = f"{text} is read as {decimal}; YAML 1.1 has it for the octal number {octal}"
+            complaints.warning("leading-zero", message, document.span(path), f"write {decimal}")
+
+
+def _whole_numbers(document: Document) -> Iterator[tuple[Path, str]]:
+    """Whole numbers as they are written, in the file or on the command line."""
+    for path, words in document.overrides.items():
+        if type(document.get(path)) is int:
+            yield path, words.partition("=")[2].strip()
+    for path, place in document.places.items():
+        if document.origin(path) is None and type(document.get(path)) is int:
+            yield path, place.value.value or ""
+
+
 # What is complained of when the section that declares it cannot be read, which has had its complaint.
 _DECLARED_IN = {"unknown-resource": "resources", "unknown-controller": "controllers", "missing-parameter": "parameters"}
 
 
-def _own(found: Iterable[Diagnostic], document: Document) -> list[Diagnostic]:
+def _own(found: Iterable[Diagnostic], reading: Reading) -> list[Diagnostic]:
     """The complaints that do not follow from a section that is missing or no mapping."""
-    unread = {name for name in _DECLARED_IN.values() if not isinstance(document.data.get(name, {}), dict)}
-    unread |= {"resources"} - document.data.keys()
-    return [diagnostic for diagnostic in found if _DECLARED_IN.get(diagnostic.code) not in unread]
+    return [said for said in found if (_DECLARED_IN.get(said.code),) not in reading.unread]
+
+
+def _with_known_names(reading: Reading) -> Reading:
+    """A reading in which worlds and mounts that there are not count as unread, with a fault for each."""
+    spec, document, faults, unread = reading.spec, reading.document, list(reading.faults), set(reading.unread)
+    for key, known in (("world", WORLDS), ("mount", mounts())):
+        name, path = getattr(spec.scene, key), ("scene", key)
+        if name is not None and name not in known:
+            message, hint = unknown_value(list(known), name)
+            fault = Diagnostic("unknown-value", message, document.span(path), hint)
+            faults.append(document.attributed(path, fault))
+            unread.add(path)
+            spec = spec.model_copy(update={"scene": spec.scene.model_copy(update={key: None})})
+    return Reading(document, spec, tuple(faults), frozenset(unread))
 
 
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
@@ -178,21 +223,21 @@ def program_of_expression(text: str) -> Program:
         or (isinstance(node.sensor_resources, ContactSet) and node.sensor_resources.has_gravity)
         for node in nodes
     )
-    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[scene.world.text].sliding | {
+    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[DEFAULT_WORLD].sliding | {
         GradientSpace.ROTATION
     }
     spec = Spec.model_validate(
         {
             "graspdsl": 1,
             "name": "formula",
-            "scene": {"world": scene.world.text, "object": {"like": "towel-roll", "held": held}},
+            "scene": {"world": DEFAULT_WORLD, "object": {"like": "towel-roll", "held": held}},
             "resources": {entry.key.text: entry.value.text for entry in scene.resources},
             "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
             "control": {"displacement": "sliding" if slides else "probing"},
             "program": [{"run": phase.label, "until": {"contact": "all"}}],
         }
     )
-    return Program(spec, hand, WORLDS[scene.world.text], (phase,), catalogue()["towel-roll"])
+    return Program(spec, hand, WORLDS[DEFAULT_WORLD], (phase,), catalogue()["towel-roll"])
 
 
 class _ProgramCheck:
@@ -200,7 +245,6 @@ class _ProgramCheck:
         self._declarations, self._complaints, self._files = declarations, complaints, files
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
-        self._parameters_once(declarations)
         definitions = definitions_with(declarations.controllers, complaints)
         table = ResourceTable(
             declarations.resources,
@@ -220,18 +264,18 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
-        self._one_of(("scene", "world"), scene.world, WORLDS)
-        mount = self._one_of(("scene", "mount"), scene.mount, mounts())
+        if scene.hand is None:
+            return None
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
-            if found is None or not mount:
+            if found is None or scene.mount is None:
                 return None
-            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount.text], hand_model=found.model)
+            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount], hand_model=found.model)
             taken = tuple(taken_names(whole_robot))
             self._tell(scene.hand, taken)
             return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount.text) if hand and mount else None
+        return robot(scene.hand.text, scene.mount) if hand and scene.mount is not None else None
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -268,26 +312,6 @@ class _ProgramCheck:
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 
-    def _one_of(self, path: Path, name: SourceText, known: Mapping[str, object]) -> bool:
-        if name.text in known:
-            return True
-        self._complaints.about(path)
-        message, hint = unknown_value(list(known), name.text)
-        self._complaints.error("unknown-value", message, whole(name), hint)
-        return False
-
-    def _parameters_once(self, declarations: Declarations) -> None:
-        document, seen = declarations.document, set[str]()
-        parameters = document.data.get("parameters") if document else None
-        for key in parameters if document and isinstance(parameters, dict) else ():
-            name = canonical(key)
-            if name in seen:
-                self._complaints.about(("parameters", key))
-                span = document.key_span(("parameters", key)) if document else None
-                message = f"{name} is declared twice, in two spellings"
-                self._complaints.error("declared-twice", message, span, "keep one of them")
-            seen.add(name)
-
     def phases(self) -> tuple[CheckedPhase | None, ...]:
         """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
@@ -315,7 +339,7 @@ class _ProgramCheck:
         )
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world.text)
+        world = WORLDS.get(self._declarations.world or "")
         if world is None:
             return
         way = self._declarations.displacement
@@ -342,12 +366,12 @@ class _ProgramCheck:
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world.text)
+        world = WORLDS.get(self._declarations.world or "")
         probes = world is not None and world.probes(self._declarations.displacement)
         executed = [executable(stage, probes) for stage in phase.stages]
         lowered = {name for stage in executed for name in conditions_lowered(stage)}
         for key, potentials in lowering().items():
-            if entry.conditions.get(key) is not None and key not in lowered and self._declarations.document:
+            if key in entry.conditions and key not in lowered and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
                 self._complaints.about(path)
                 self._complaints.warning(

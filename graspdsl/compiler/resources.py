@@ -16,7 +16,7 @@ from graspdsl.notation.parser import parse_resources
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.slips import resource_slip
 from graspdsl.notation.tree import Name, Resource, Resources, Virtual
-from graspdsl.spec.constructing import Path
+from graspdsl.places.document import Path
 
 GRAVITY = "γ_g"
 

@@ -4,53 +4,62 @@ from __future__ import annotations
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declarations
-from graspdsl.diagnostics import known_names_hint, listed
-from graspdsl.hands.descriptions import Robot, hands, joint_limits
-from graspdsl.objects.shapes import catalogue
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.distributions import numbers_of
-from graspdsl.spec.document import Document
+from graspdsl.diagnostics import listed
+from graspdsl.hands.descriptions import Robot, hands
+from graspdsl.objects.shapes import SHAPES, catalogue
+from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
+from graspdsl.spec.scene import FILES, InlineObject
+from graspdsl.spec.sensing import Sensing
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
-from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
-EDGED = ("box", "compound", "mesh", "urdf")
+EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
+START: Path = ("trials", "start")
+DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
 
-def check_scene(document: Document, complaints: Complaints) -> None:
-    """Complain about what the scene's world has not."""
-    name = _value(document, ("scene", "world"))
-    world = WORLDS.get(name) if isinstance(name, str) else None
-    if world is None:
+def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Complain about what the scene's world has not, as far as the spec could be read."""
+    world = WORLDS.get(spec.scene.world)
+    if world is not None:
+        _Check(spec, document, complaints, world).all()
+
+
+def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Complaints) -> None:
+    """Complain about load cells that the hand has not; warn of a touch that noise alone would begin."""
+    world = WORLDS[spec.scene.world]
+    if not world.has("forces"):
         return
-    _Check(document, complaints, world).all()
-
-
-def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
-    """Complain about a start posture of joints that the hand has not, or beyond their limits."""
-    limits = dict(zip(robot.joints, zip(*joint_limits(robot), strict=True), strict=True)) if robot.hand.urdf else {}
-    for name, place in spec.trials.start.posture.items():
-        path: Path = ("trials", "start", "posture", name)
+    sensor = world.sensor(spec.scene.sensing)
+    path: Path = ("scene", "hand" if spec.scene.sensing is None else "sensing")
+    without = [name for name, contact in robot.hand.contacts.items() if contact.link and not contact.cell]
+    if sensor_for(sensor).needs_cells and without:
+        message = (
+            f"{listed(without)} of the hand {robot.hand.hand} {'have' if len(without) > 1 else 'has'} no load cell"
+        )
         complaints.about(path)
-        if name not in robot.hand.joints:
-            message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
-            hint = known_names_hint(name, robot.hand.joints, "joints")
-            complaints.error("unknown-joint", message, document.key_span(path), hint)
-            continue
-        low, high = limits[name]
-        beyond = [number for number in numbers_of(place) if not low <= number <= high]
-        if beyond:
-            message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
-            complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
+        others = [name for name in world.senses if not TACTILE_SENSORS[name].needs_cells]
+        hint = f"use sensing: {listed(others, 'or')}, or name the load cell's joint in the hand file"
+        complaints.error("not-sensed", message, document.span(path), hint)
+    noise = sensor.force_noise_at(world.rate)
+    if isinstance(spec.scene.sensing, Sensing) and sensor.touch.begins < DEVIATIONS * noise:
+        complaints.about(path)
+        message = (
+            f"a touch begins at {sensor.touch.begins:g} N, but the force of a reading has {noise:.2g} N of noise: "
+            "fingers will feel touches that are none"
+        )
+        hint = f"let it begin above {DEVIATIONS * noise:.2g} N: 'touch: {{begins: …, ends: …}}', or lower the noise"
+        complaints.warning("threshold-in-noise", message, document.span(path), hint)
 
 
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
-    world = WORLDS.get(scene.world.text)
-    if scene.names_hand or world is None or world.has("hand"):
+    world = WORLDS.get(scene.world or "")
+    if scene.names_hand or scene.hand is None or world is None or world.has("hand"):
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
     ways = listed((f"'hand: {name}' with {known[0]} to {known[-1]}" for name, known in bare.items()), "or")
@@ -58,8 +67,10 @@ def hand_for_floating(scene: Declarations) -> str | None:
 
 
 class _Check:
-    def __init__(self, document: Document, complaints: Complaints, world: WorldKind) -> None:
-        self._document, self._complaints, self._world = document, complaints, world
+    def __init__(self, spec: Spec, document: Document, complaints: Complaints, world: WorldKind) -> None:
+        self._spec, self._document, self._complaints, self._world = spec, document, complaints, world
+        thing = spec.scene.object
+        self._thing = thing if isinstance(thing, InlineObject) else None
 
     def all(self) -> None:
         self._without_effect()
@@ -68,36 +79,29 @@ class _Check:
         self._evaluation()
         self._centre_of_mass()
         self._sensing()
-        approach: Path = ("trials", "start", "approach")
-        chosen = _value(self._document, approach)
-        elsewhere = any(chosen in kind.approaches for kind in WORLDS.values())
-        if elsewhere and chosen not in self._world.approaches:
+        chosen = self._spec.trials.start.approach
+        if chosen is not None and chosen not in self._world.approaches:
             ways = listed(self._world.approaches, "or")
             hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
-            self._error("start-not-in-world", f"the {self._world.name} world has no start {chosen!r}", approach, hint)
+            message = f"the {self._world.name} world has no start {chosen!r}"
+            self._error("start-not-in-world", message, (*START, "approach"), hint)
 
     def _without_effect(self) -> None:
         """Warn of settings that the scene passes over."""
-        start: Path = ("trials", "start")
-        given = _value(self._document, start)
-        names = given if isinstance(given, dict) else {}
+        trials = self._spec.trials
         handless = self._world.lacks.get("hand")
-        idle = HAND_STARTS if handless else ("height",) if names.get("approach") == "top" else ()
+        idle = HAND_STARTS if handless else ("height",) if trials.start.approach == "top" else ()
+        where = handless or "a hand from above has no height"
         for name in idle:
-            if name in names:
-                where = handless or "a hand from above has no height"
-                self._warn(f"{name} has no effect: {where}", (*start, name))
-        grid: Path = ("trials", "grid")
-        axes = _value(self._document, grid)
-        for place, axis in enumerate(axes if isinstance(axes, list) else []):
-            mapped = axis.get("parameter") if isinstance(axis, dict) else None
-            if mapped in idle:
-                where = handless or "a hand from above has no height"
-                self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
+            if self._document.has((*START, name)):
+                self._warn(f"{name} has no effect: {where}", (*START, name))
+        for place, axis in enumerate(trials.grid or ()):
+            if axis.parameter in idle:
+                path: Path = ("trials", "grid", place, "parameter")
+                self._warn(f"the grid's {axis.parameter} has no effect: {where}", path)
         friction: Path = ("scene", "friction")
-        judged = set(self._grades()) & WRENCH_GRADES
         why = self._world.lacks.get("friction")
-        if why and _value(self._document, friction) is not None and not judged:
+        if why and self._document.has(friction) and WRENCH_GRADES.isdisjoint(self._spec.evaluate):
             self._warn(f"friction has no effect: {why}, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
@@ -105,76 +109,61 @@ class _Check:
         self._complaints.warning("no-effect", message, self._document.key_span(path), "leave it out")
 
     def _shape(self) -> None:
-        thing = _value(self._document, ("scene", "object"))
+        thing = self._spec.scene.object
         path: Path = ("scene", "object")
-        if isinstance(thing, dict) and "like" in thing:
-            thing, path = thing["like"], (*path, "like")
-        if isinstance(thing, dict):
-            kinds = [kind for kind in EDGED if kind in thing]
-        else:
-            body = catalogue().get(str(thing))
-            kinds = [type(body.shape).__name__.lower()] if body else []
+        kinds = [kind for kind in EDGED if self._document.has((*path, kind))]
+        if self._thing is not None and self._document.has((*path, "like")):
+            thing, path = self._thing.like or "", (*path, "like")
+        if isinstance(thing, str):
+            body = catalogue().get(thing)
+            kinds = [body.shape.name] if body and body.shape.edged else []
         for kind in kinds:
-            if (why := self._world.lacks.get("edges")) and kind in EDGED:
+            if why := self._world.lacks.get("edges"):
                 message = f"{why} on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
 
     def _hand(self) -> None:
-        path: Path = ("scene", "hand")
-        hand = hands().get(str(_value(self._document, path) or "barrett"))
+        hand = hands().get(self._spec.scene.hand)
         if hand is not None and not hand.urdf and self._world.has("hand"):
             message = f"the hand {hand.hand} is bare contacts without a model"
             hint = f"use it in {worlds_without('hand')}, or another hand here"
-            self._error("hand-not-in-world", message, path, hint)
+            self._error("hand-not-in-world", message, ("scene", "hand"), hint)
 
     def _sensing(self) -> None:
         path: Path = ("scene", "sensing")
-        chosen = _value(self._document, path)
-        names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, dict) else []
         for name, sensor in TACTILE_SENSORS.items():
-            if name in names and name not in self._world.senses:
+            chosen = self._spec.scene.sensing == name or self._document.has((*path, name))
+            if chosen and name not in self._world.senses:
                 message = f"{self._world.contacts} have no {sensor.called}"
                 self._error("not-sensed", message, path, f"use {listed(self._world.senses, 'or')}, or leave it out")
 
-    def _grades(self) -> list[str | None]:
-        """What is written under ``evaluate``, None in place of what is no word."""
-        given = _value(self._document, ("evaluate",))
-        return [grade if isinstance(grade, str) else None for grade in given] if isinstance(given, list) else []
-
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
-        thing = _value(self._document, ("scene", "object"))
-        anchors = [name for name in ("held", "fixed") if isinstance(thing, dict) and thing.get(name) is True]
+        thing = self._thing
         if "lifting" in self._world.lacks:
             why = self._world.lacks["lifting"]
-        elif anchors:
-            why = f"the object is {anchors[0]}"
+        elif thing is not None and (thing.held or thing.fixed):
+            why = f"the object is {'held' if thing.held else 'fixed'}"
         else:
             return
-        for place, grade in enumerate(self._grades()):
+        for place, grade in enumerate(self._spec.evaluate):
             if grade in HANDLING_GRADES:
                 hint = f"leave it out, or use a free object in {worlds_with('lifting')}"
                 self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""
-        held: Path = ("scene", "object", "held")
+        thing = self._spec.scene.object
+        held = self._thing is not None and self._thing.held
         message = self._world.lacks.get("holding")
-        if message and _value(self._document, held) is True:
-            self._error("held-not-in-world", message, held, "leave it out")
-        origin: Path = ("control", "origin")
-        known = self._world.knows_object or _value(self._document, held) is True
-        if _value(self._document, origin) == "object" and not known:
+        if message and held:
+            self._error("held-not-in-world", message, ("scene", "object", "held"), "leave it out")
+        known = self._world.knows_object or held or thing is None
+        if self._spec.control.origin == "object" and not known:
             message = "moments cannot be taken about the object: its centre of mass is known only when it is held"
-            self._error("origin-not-sensed", message, origin, "use centroid, or add 'held: true' to the object")
+            hint = "use centroid, or add 'held: true' to the object"
+            self._error("origin-not-sensed", message, ("control", "origin"), hint)
 
     def _error(self, code: str, message: str, path: Path, hint: str) -> None:
         self._complaints.about(path)
         self._complaints.error(code, message, self._document.span(path), hint)
-
-
-def _value(document: Document, path: Path) -> object:
-    try:
-        return document.get(path)
-    except KeyError:
-        return None

@@ -1,4 +1,4 @@
-"""What can be known of the starts of a spec from sizes alone, before anything is simulated."""
+"""What can be known of the trials of a spec and of their starts before anything is simulated."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.hands.descriptions import Hand
+from graspdsl.compiler.settings import different_trials
+from graspdsl.diagnostics import known_names_hint
+from graspdsl.hands.descriptions import Hand, Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.objects.facets import convex_parts
 from graspdsl.objects.mesh_files import SHORTEST
-from graspdsl.objects.shapes import Body, Bottle, Compound, TriangleMesh
-from graspdsl.objects.standing import AT_REST, STANDING, fall_of
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.document import Document
+from graspdsl.objects.shape import convex_parts
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.standing import STANDING, fall_of
+from graspdsl.places.document import Document, Path
+from graspdsl.spec.distributions import Choice, Normal, Uniform, numbers_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.trials import PARAMETERS
@@ -30,6 +31,7 @@ AROUND = 24  # directions about the normal of the palm in which an object's widt
 OBLIQUE = 0.75  # cosine of an angle
 ASIDE = 1e-4
 SPREAD = 3.0  # standard deviations that are looked at
+HINT = "or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
 START: Path = ("trials", "start")
 
 
@@ -38,6 +40,48 @@ def check_sizes(
 ) -> None:
     """Warn of objects that do not stand or that no hand takes, and of palms that are nowhere near the object."""
     _Sizes(spec, hand, motion, body, document, complaints).all()
+
+
+def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints: Complaints) -> None:
+    """Complain about a start posture of joints that the hand has not, or beyond their limits."""
+    limits = dict(zip(robot.joints, zip(*joint_limits(robot), strict=True), strict=True)) if robot.hand.urdf else {}
+    for name, place in spec.trials.start.posture.items():
+        path: Path = ("trials", "start", "posture", name)
+        complaints.about(path)
+        if name not in robot.hand.joints:
+            message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
+            hint = known_names_hint(name, robot.hand.joints, "joints")
+            complaints.error("unknown-joint", message, document.key_span(path), hint)
+            continue
+        low, high = limits[name]
+        beyond = [number for number in numbers_of(place) if not low <= number <= high]
+        if beyond:
+            message = f"{name} moves from {low:g} to {high:g}, found {beyond[0]:g}"
+            complaints.error("out-of-range", message, document.span(path), "keep within the limits of the joint")
+
+
+def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
+    """Warn of more trials asked for than can differ, and of cells of a grid that no trial begins in."""
+    trials, different = spec.trials, different_trials(spec)
+    if "count" in trials.model_fields_set and trials.count > different:
+        message = f"only {different:g} of {trials.count} trials can differ: the others repeat them"
+        if different == 1:
+            message = f"nothing is drawn at random: all {trials.count} trials are equal"
+        _warn_of_key(
+            document, complaints, "equal-trials", message, ("trials", "count"), f"write count: {different:g}, {HINT}"
+        )
+    cells = math.prod(axis.cells for axis in trials.grid or ())
+    if cells > trials.count:
+        message = (
+            f"{trials.count} trials begin in the first {trials.count} of the grid's {cells} cells, and in no other"
+        )
+        hint = f"write count: {cells}, or use fewer cells"
+        _warn_of_key(document, complaints, "empty-cells", message, ("trials", "grid"), hint)
+
+
+def _warn_of_key(document: Document, complaints: Complaints, code: str, message: str, path: Path, hint: str) -> None:
+    complaints.about(path)
+    complaints.warning(code, message, document.key_span(path), hint)
 
 
 class _Sizes:
@@ -66,7 +110,7 @@ class _Sizes:
             self._palm()
 
     def _falls(self) -> bool:
-        if isinstance(self._body.shape, AT_REST):
+        if self._body.shape.rests:
             return False
         fall = math.degrees(fall_of(self._body.shape))
         if fall > STANDING:
@@ -103,7 +147,7 @@ class _Sizes:
         normals = [np.array(normal) for normal in {tuple(rotation[:, 2].tolist()) for _, rotation in self._poses}]
         for normal in normals:
             yield from _across(shape.support, normal)
-        if isinstance(shape, Bottle | Compound | TriangleMesh):
+        if not shape.convex:
             for normal, part in itertools.product(normals, convex_parts(shape)):
                 yield from _across(part.support, normal)
 

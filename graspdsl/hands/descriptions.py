@@ -16,7 +16,7 @@ import yaml
 from pydantic import AfterValidator, Field, model_validator
 
 from graspdsl.hands.fingertips import Angles, CapsuleTip, EllipsoidTip, FingertipShape, Place, SphereTip
-from graspdsl.spec.fields import Count, Metres, Model, Number
+from graspdsl.places.fields import Count, Metres, Model, Number
 from graspdsl.spec.models import folder_name
 
 HERE = Path(__file__).parent

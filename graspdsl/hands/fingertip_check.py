@@ -17,7 +17,7 @@ from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.fingertips import reach
 from graspdsl.hands.robot_model import RobotModel
 from graspdsl.hands.urdf_rules import FIXED, ROTATING
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document
 
 DIRECTIONS = 4000  # about 3 degrees apart
 PORTIONS = 128  # of them, for each of which all corners of a mesh are looked at together

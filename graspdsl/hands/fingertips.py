@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import turned_by_angles
-from graspdsl.spec.fields import Metres, Model, Number, Unit, exactly, fault
+from graspdsl.places.fields import Metres, Model, Number, Unit, exactly, fault
 
 Size = Annotated[Metres, Field(gt=0.0, le=1.0)]
 Coordinate = Annotated[Metres, Field(ge=-2.0, le=2.0)]

@@ -12,10 +12,9 @@ from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
 from graspdsl.hands.model_joints import origin_of_motion
 from graspdsl.hands.robot_model import RobotModel
 from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
+from graspdsl.places.document import Document, Path
+from graspdsl.places.wording import shortened
 from graspdsl.spec.models import folder_name
-from graspdsl.spec.wording import shortened
 
 
 def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:

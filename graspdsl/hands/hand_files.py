@@ -16,11 +16,10 @@ from graspdsl.hands.hand_check import faults
 from graspdsl.hands.mesh_check import mesh_corners
 from graspdsl.hands.robot_model import FaultyModelError, RobotModel, robot_model
 from graspdsl.hands.urdf_check import undrawn
-from graspdsl.spec.document import Document, parse_document
-from graspdsl.spec.files import SIZE_LIMIT, with_plain_line_ends
-from graspdsl.spec.mesh_places import MeshPlaces
-from graspdsl.spec.named_files import SpecFolder, refusal
-from graspdsl.spec.validation import validate_document
+from graspdsl.places.document import Document, parse_document
+from graspdsl.places.files import SIZE_LIMIT, SpecFolder, refusal, with_plain_line_ends
+from graspdsl.places.mesh_places import MeshPlaces
+from graspdsl.places.validation import validate_document
 
 SUFFIXES = (".yaml", ".yml")
 

@@ -8,9 +8,9 @@ from itertools import chain, islice
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
-from graspdsl.spec.named_files import refusal
-from graspdsl.spec.wording import shortened
-from graspdsl.spec.xml_files import place_in
+from graspdsl.places.files import refusal
+from graspdsl.places.wording import shortened
+from graspdsl.places.xml_files import place_in
 
 MOST_LINKS = 2000
 LONGEST_NAME = 100  # characters

@@ -12,8 +12,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.urdf_check import NUMBER
-from graspdsl.spec.named_files import refusal
-from graspdsl.spec.wording import shortened
+from graspdsl.places.files import refusal
+from graspdsl.places.wording import shortened
 
 LARGEST = 16 * 1024 * 1024  # bytes
 HEADER, FACE = 84, 50  # bytes of a binary STL file

@@ -21,7 +21,7 @@ from graspdsl.hands.mjcf_joints import LeftOut, describe
 from graspdsl.hands.mjcf_known import check_inside, whole
 from graspdsl.hands.mjcf_parts import HERE, NotInMjcfError, Part, Pose, Source
 from graspdsl.hands.urdf_check import UrdfCheck
-from graspdsl.spec.xml_files import PlacedElement
+from graspdsl.places.xml_files import PlacedElement
 
 FIXED = "fixed"
 WORLD = "world"

@@ -10,7 +10,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.hands.mjcf_parts import Pose
-from graspdsl.spec.xml_files import PlacedElement
+from graspdsl.places.xml_files import PlacedElement
 
 
 def add(

@@ -10,7 +10,7 @@ from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.hands.mjcf_compiler import Compiler
 from graspdsl.hands.mjcf_elements import add, as_text
 from graspdsl.hands.mjcf_parts import Part, Pose
-from graspdsl.spec.xml_files import place_in
+from graspdsl.places.xml_files import place_in
 
 HINGE, SLIDE = "hinge", "slide"
 ON_OFF = ("auto", "true", "false")

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.hands.urdf_check import NUMBER
-from graspdsl.spec.wording import shortened
-from graspdsl.spec.xml_files import place_in
+from graspdsl.places.wording import shortened
+from graspdsl.places.xml_files import place_in
 
 Attributes = Mapping[str, str]
 

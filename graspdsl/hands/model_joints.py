@@ -13,7 +13,7 @@ from graspdsl.hands.articulated_inertia import axis_of, pose_of
 from graspdsl.hands.kinematic_tree import TreeJoint
 from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import CONTINUOUS, CONTINUOUS_JOINT, FIXED, FIXED_JOINT, HINGES, MOVING_JOINT, ROTATING
-from graspdsl.spec.wording import shortened
+from graspdsl.places.wording import shortened
 
 UNSTATED_EFFORT = 50.0  # N or N m: the most that drives a joint whose model says nothing of it
 MOST_TURN = 6.3  # rad, a turn to either side

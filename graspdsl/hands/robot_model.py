@@ -13,9 +13,9 @@ from graspdsl.hands.kinematic_tree import MOST_FAULTS, KinematicTree, TreeJoint
 from graspdsl.hands.model_joints import UNSTATED_EFFORT, CheckedJoint, ModelJoint, checked_joint
 from graspdsl.hands.urdf_check import UrdfCheck
 from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES, LINK, MOVING_JOINT, ROBOT
-from graspdsl.spec.named_files import refusal
-from graspdsl.spec.wording import shortened
-from graspdsl.spec.xml_files import place_in, xml_tree
+from graspdsl.places.files import refusal
+from graspdsl.places.wording import shortened
+from graspdsl.places.xml_files import place_in, xml_tree
 
 MOST_LINKS = 100  # the engine takes seconds for more: its time grows with their cube
 MOST_NAMED = 5  # joints in a warning

@@ -12,8 +12,8 @@ import numpy as np
 
 from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.urdf_rules import MESHES, SHAPES, ElementRule, NumberRule
-from graspdsl.spec.wording import as_yaml, shortened
-from graspdsl.spec.xml_files import place_in
+from graspdsl.places.wording import as_yaml, shortened
+from graspdsl.places.xml_files import place_in
 
 NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 COUNTS = {1: "a number", 3: "three numbers", 4: "four numbers"}

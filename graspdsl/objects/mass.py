@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.objects.surfaces.profile import Profile
 
 DIAGONAL = 1e-9  # the share of products of inertia in the moments that is rounding
+OUTLINE = 400  # lines for a half turn of an arc: the volume of a ball so drawn is off by 2e-5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,3 +54,29 @@ def joined(solids: Iterable[Solid]) -> Solid:
         away = solid.centre - centre
         moments += solid.moments + solid.volume * np.outer(away, away)
     return Solid(volume, centre, moments)
+
+
+def symmetric(volume: float, size: tuple[float, float, float], share: float) -> Solid:
+    """A volume about the origin with ∫ x² dV = share · V · size²."""
+    return Solid(volume, np.zeros(3), share * volume * np.diag(np.square(size)))
+
+
+def dirichlet(exponent: float, *powers: int) -> float:
+    """∫ Π x_i^(α_i − 1) dx over Σ x_i^p ≤ 1, x_i ≥ 0: Π Γ(α_i/p) / (p^m Γ(1 + Σ α_i/p)), Dirichlet's integral."""
+    product = math.prod(math.gamma(power / exponent) / exponent for power in powers)
+    return product / math.gamma(1.0 + sum(powers) / exponent)
+
+
+def stacked_solid(profile: Profile, width: float = 1.0, exponent: float = 2.0) -> Solid:
+    """Sections |x/ρ|^n + |y/(wρ)|^n ≤ 1 over the outline ρ(z): Gauss's rule, exact for each straight piece."""
+    outline = profile.outline(OUTLINE)
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    low, high = outline[:-1, None], outline[1:, None]
+    points = (low + high) / 2 + (high - low) / 2 * nodes[None, :, None]
+    rho, z, heights = points[..., 0], points[..., 1], (high - low)[..., 1] / 2 * weights
+    area = 4.0 * width * dirichlet(exponent, 1, 1) * rho**2 * heights
+    spread = 4.0 * dirichlet(exponent, 3, 1) * rho**4 * heights
+    volume = float(area.sum())
+    middle = float((area * z).sum()) / volume
+    moments = np.diag([width * spread.sum(), width**3 * spread.sum(), (area * (z - middle) ** 2).sum()])
+    return Solid(volume, np.array([0.0, 0.0, middle]), moments)

@@ -12,9 +12,10 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.objects.shading import Faces
 from graspdsl.objects.surfaces.mesh import unit_sphere
-from graspdsl.objects.triangles import Faces, TriangleMesh, enclosed
-from graspdsl.spec.named_files import refusal
+from graspdsl.objects.triangles import TriangleMesh, enclosed
+from graspdsl.places.files import refusal
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -106,7 +107,7 @@ def _solid(name: str, mesh: Trimesh, length: float, convex: str | None, warn: Wa
         vertices=vertices,
         faces=faces,
         hull=_thinned(hull[0]),
-        solid=solid,
+        content=solid,
         convex_parts=convex or ("decomposition" if filled.volume > CLEARLY_HOLLOW * solid.volume else "hull"),
     )
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from graspdsl.arrays import Array
-from graspdsl.objects.triangles import Faces
 
+Faces = npt.NDArray[np.int64]
 CREASE = float(np.radians(40.0))  # triangles that meet at a larger angle have an edge between them
 MOST_DRAWN = 60_000  # triangles
 DRAWN_CELLS = 80  # along the longest side

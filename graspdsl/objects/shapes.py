@@ -1,8 +1,8 @@
-"""Objects to grasp: one solid shape with a mass, standing on the table as its z axis does."""
+"""The shapes that a spec can describe, and objects: one shape with a mass, standing on the table as its z axis does."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -10,27 +10,23 @@ from typing import Any
 
 import yaml
 
-from graspdsl.objects.compound import Compound, Loft, Placed, standing
-from graspdsl.objects.primitives import Bottle, Box, Cylinder, Ellipsoid, Extent, Sphere, Superquadric
-from graspdsl.objects.triangles import TriangleMesh
+from graspdsl.objects.bottle import Bottle
+from graspdsl.objects.box import Box
+from graspdsl.objects.compound import Loft, Placed, standing
+from graspdsl.objects.cylinder import Cylinder
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.shape import DescribedShape, Extent, Shape
+from graspdsl.objects.sphere import Sphere
+from graspdsl.objects.superquadric import Superquadric
 
-__all__ = [
-    "SHAPES",
-    "Body",
-    "Bottle",
-    "Box",
-    "Compound",
-    "Cylinder",
-    "Ellipsoid",
-    "Shape",
-    "Sphere",
-    "Superquadric",
-    "TriangleMesh",
-    "catalogue",
-    "shape_from",
-]
-
-Shape = Cylinder | Sphere | Box | Ellipsoid | Superquadric | Bottle | Compound | TriangleMesh
+SHAPES: dict[str, type[DescribedShape]] = {
+    "cylinder": Cylinder,
+    "sphere": Sphere,
+    "box": Box,
+    "ellipsoid": Ellipsoid,
+    "superquadric": Superquadric,
+    "bottle": Bottle,
+}
 CLEARLY_LONGER = 1.05
 UPRIGHT = (0.0, 0.0, 1.0)
 
@@ -48,50 +44,36 @@ class Body:
     @property
     def major_axis(self) -> Extent:
         """The unit vector, in the body's frame, against which orientations are reported: z, or the axis of the longest
-        extent of a box, an ellipsoid, a superquadric or a shape from a file where that is clearly the longest."""
-        shape = self.shape
-        measured = isinstance(shape, Box | Ellipsoid | Superquadric | TriangleMesh)
-        if not (measured or (isinstance(shape, Compound) and shape.from_elsewhere)):
-            return UPRIGHT
+        extent of a shape that is not upright by nature, where that is clearly the longest."""
         extent = self.shape.extent
         _, second, longest = sorted(extent)
-        if longest <= CLEARLY_LONGER * second:
+        if self.shape.upright or longest <= CLEARLY_LONGER * second:
             return UPRIGHT
         x, y, z = (float(size == longest) for size in extent)
         return (x, y, z)
 
 
 def shape_from(form: Mapping[str, Any]) -> Shape:
-    """The shape in a mapping with one of the keys of SHAPES, its fields beneath it."""
-    kind = next(kind for kind in SHAPES if form.get(kind) is not None)
-    fields = form[kind]
-    return SHAPES[kind](**fields) if isinstance(fields, Mapping) else SHAPES[kind](fields)
+    """The shape in an entry of the catalogue: its fields beneath one of the keys of SHAPES, or a compound's parts."""
+    if "compound" in form:
+        return standing([_placed(part) for part in form["compound"]])
+    name = next(name for name in SHAPES if name in form)
+    return SHAPES[name].model_validate(form[name])
+
+
+def _placed(form: Mapping[str, Any]) -> Placed:
+    part: Shape
+    if "loft" in form:
+        fields = {**form["loft"], "roundings": tuple(form["loft"]["roundings"])}
+        part = Loft(**{**fields, "corners": tuple((rho, z) for rho, z in fields["corners"])})
+    else:
+        part = shape_from(form)
+    return Placed(part, _size(form.get("at", (0.0, 0.0, 0.0))), (0.0, form.get("pitch", 0.0), 0.0))
 
 
 def _size(size: Sequence[float]) -> Extent:
     x, y, z = size
     return float(x), float(y), float(z)
-
-
-def _placed(form: Mapping[str, Any]) -> Placed:
-    part: Loft | Box
-    if "loft" in form:
-        fields = {**form["loft"], "roundings": tuple(form["loft"]["roundings"])}
-        part = Loft(**{**fields, "corners": tuple((rho, z) for rho, z in fields["corners"])})
-    else:
-        part = Box(_size(form["box"]["size"]))
-    return Placed(part, _size(form.get("at", (0.0, 0.0, 0.0))), (0.0, form.get("pitch", 0.0), 0.0))
-
-
-SHAPES: Mapping[str, Callable[..., Shape]] = {
-    "cylinder": Cylinder,
-    "sphere": Sphere,
-    "box": lambda size: Box(_size(size)),
-    "ellipsoid": lambda size: Ellipsoid(_size(size)),
-    "superquadric": lambda size, exponent: Superquadric(_size(size), exponent),
-    "bottle": Bottle,
-    "compound": lambda parts: standing([_placed(part) for part in parts]),
-}
 
 
 @cache

@@ -9,10 +9,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
-from graspdsl.objects.shapes import Box, Cylinder, Shape, Sphere
-from graspdsl.objects.solid import solid_of
+from graspdsl.objects.shape import Shape
 
-AT_REST = (Cylinder, Box, Sphere)  # shapes that rest as they are put down
 STANDING = 5.0  # degrees by which an object that stands may tilt
 NUDGE = 0.01  # rad by which what balances is pushed
 STEPS = (0.02, 0.005, 0.001)  # rad
@@ -27,7 +25,7 @@ def fall_of(shape: Shape) -> float:
     over a table below it, in the direction d of the body's frame, is support(d) − d · centre. What is put down and
     nudged tips from there as long as its centre of mass sinks.
     """
-    centre = solid_of(shape).centre
+    centre = shape.solid.centre
 
     def height(down: Array) -> float:
         return shape.support(down) - float(down @ centre)

@@ -13,13 +13,16 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
-from graspdsl.objects.compound import Compound, Part, Placed, centred
+from graspdsl.objects.box import Box
+from graspdsl.objects.compound import Compound, Placed, centred, rotation_of
+from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.overlaps import overlaps
-from graspdsl.objects.primitives import Box, Cylinder, Extent, Sphere
-from graspdsl.spec.mesh_places import MeshPlaces
-from graspdsl.spec.named_files import SpecFolder, refusal
-from graspdsl.spec.xml_files import place_in, xml_tree
+from graspdsl.objects.shape import Extent, Shape
+from graspdsl.objects.sphere import Sphere
+from graspdsl.places.files import SpecFolder, refusal
+from graspdsl.places.mesh_places import MeshPlaces
+from graspdsl.places.xml_files import place_in, xml_tree
 
 MOST_PARTS = 200
 MOST_LINKS = 2000
@@ -152,21 +155,23 @@ class _Urdf:
             raise self._bad("its links are not joined to one body")
         return frames
 
-    def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Part]]:
+    def _parts(self, link: ElementTree.Element) -> Iterator[tuple[Frame, Shape]]:
         for collision in link.findall("collision"):
             for geometry in collision.findall("geometry/*"):
                 with self._noting():
                     self._part_places.append(place_in(self._name, geometry))
                     yield self._frame(collision), self._part(geometry)
 
-    def _part(self, geometry: ElementTree.Element) -> Part:
+    def _part(self, geometry: ElementTree.Element) -> Shape:
+        # Not validated: a part may be smaller or larger than a shape in a spec.
         match geometry.tag:
             case "box":
-                return Box(self._lengths(geometry, "size"))
+                return Box.model_construct(size=self._lengths(geometry, "size"))
             case "sphere":
-                return Sphere(2 * self._length(geometry, "radius"))
+                return Sphere.model_construct(diameter=2 * self._length(geometry, "radius"))
             case "cylinder":
-                return Cylinder(2 * self._length(geometry, "radius"), self._length(geometry, "length"))
+                diameter, height = 2 * self._length(geometry, "radius"), self._length(geometry, "length")
+                return Cylinder.model_construct(diameter=diameter, height=height)
             case "mesh":
                 name = self._meshes.name(geometry.get("filename", ""))
                 scale = np.array(self._numbers(geometry, "scale", (1.0, 1.0, 1.0)))
@@ -175,7 +180,7 @@ class _Urdf:
                 return mesh_of_file(name, self._folder.read(name), scale, None, self._warn, centred=False)
         raise self._bad(f"it has geometry of an unknown kind, <{geometry.tag}>", geometry)
 
-    def _placed(self, frame: Frame, part: Part) -> Placed:
+    def _placed(self, frame: Frame, part: Shape) -> Placed:
         x, y, z = frame.position.tolist()
         return Placed(part, (x, y, z), roll_pitch_yaw(frame.rotation))
 
@@ -183,8 +188,8 @@ class _Urdf:
         origin = element.find("origin")
         if origin is None:
             return ORIGIN
-        turned = Placed(Sphere(1.0), (0.0, 0.0, 0.0), self._numbers(origin, "rpy", (0.0, 0.0, 0.0)))
-        return Frame(np.array(self._numbers(origin, "xyz", (0.0, 0.0, 0.0))), turned.rotation)
+        rotation = rotation_of(self._numbers(origin, "rpy", (0.0, 0.0, 0.0)))
+        return Frame(np.array(self._numbers(origin, "xyz", (0.0, 0.0, 0.0))), rotation)
 
     def _numbers(self, element: ElementTree.Element, key: str, otherwise: Extent | None) -> Extent:
         text = element.get(key)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 
+from graspdsl.places.files import MAP_DATA
 from graspdsl.report.attraction import AttractionMap, as_data
-from graspdsl.spec.named_files import MAP_DATA
 
 FILES = ("map.svg", "map.png", MAP_DATA)
 

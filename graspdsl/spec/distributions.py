@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, model_validator
 
-from graspdsl.spec.fields import Model, Number, Unit, exactly, fault, form, forms, is_number
-from graspdsl.spec.wording import as_yaml
+from graspdsl.places.fields import Model, Number, Unit, exactly, fault, form, forms, is_number
+from graspdsl.places.wording import as_yaml
 
 
 class Uniform(Model):

@@ -1,70 +1,74 @@
-"""From a spec file to a validated spec, with all its faults at once."""
+"""Text to Spec: with all its faults at once, and what can be read of the rest so that it is checked along with them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from functools import cache
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
-from pydantic import ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
-from graspdsl.spec.document import Document, parse_with_faults
-from graspdsl.spec.files import read_text
+from graspdsl.places.document import Document, Path, parse_with_faults
+from graspdsl.places.validation import alternatives, validation_faults, with_known_keys
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
-from graspdsl.spec.validation import validation_faults, with_known_keys
+
+M = TypeVar("M", bound=BaseModel)
+_ABSENT = object()
 
 NOTHING: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True, slots=True)
-class LoadedSpec:
-    """A spec, and the document it came from (overrides applied), which knows the place of everything in it."""
+class Reading:
+    """What became of a text: its document (overrides applied), all faults, and the spec.
 
-    spec: Spec
-    document: Document
-    text: str
-    name: str
-
-
-def load_spec(path: Path, overrides: Sequence[str] = ()) -> LoadedSpec:
-    """The spec of a file, with ``overrides`` (``"scene.friction=0.6"``) in place of what it says.
-
-    Raises :class:`DiagnosticError` with all faults of the file and of the overrides.
+    Of a section with faults stands in ``spec`` what can be read of it: a value that could not be read, or that is
+    needed and missing, is None there, whatever its type says. ``unread`` are the paths of such values.
     """
-    return load_spec_text(read_text(path), path.name, overrides)
+
+    document: Document
+    spec: Spec
+    faults: tuple[Diagnostic, ...]
+    unread: frozenset[Path] = frozenset()
+
+    def is_sound(self, *sections: str) -> bool:
+        """Whether some sections have been read as they are written."""
+        return not any(path[:1] == (section,) for path in self.unread for section in sections)
 
 
-def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> LoadedSpec:
-    """The spec of a text that messages call ``name``; otherwise as :func:`load_spec`."""
-    document, spec, faults = read_spec(text, name, overrides)
-    if faults or spec is None:
-        raise DiagnosticError(in_reading_order(faults))
-    return LoadedSpec(spec, document, document.text, name)
-
-
-def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> tuple[Document, Spec | None, list[Diagnostic]]:
-    """The document of a text, its spec if it is valid, and all faults, for a caller that goes on to find more.
+def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
+    """The reading of a text that messages call ``name``, with ``overrides`` (``"scene.friction=0.6"``) in place of what
+    it says.
 
     Raises :class:`DiagnosticError` when there is no reading the text at all.
     """
     document, reading_faults = parse_with_faults(text, name)
     document, faults = apply_overrides(document, overrides)
-    document, key_faults = with_known_keys(document, Spec)
-    faults += [*(fault for _, fault in reading_faults), *key_faults]
+    faults += [fault for _, fault in reading_faults]
     try:
-        return document, Spec.model_validate(document.data), faults
+        return Reading(document, Spec.model_validate(document.data), tuple(faults))
+    except ValidationError:
+        document, key_faults = with_known_keys(document, Spec)
+        faults += key_faults
+    try:
+        return Reading(document, Spec.model_validate(document.data), tuple(faults))
     except ValidationError as error:
-        # What could not be read has had its complaint; what follows from it needs none.
-        unread = {path for path, _ in reading_faults if path is not None}
-        faults += [
-            fault
-            for path, fault in validation_faults(error, document, Spec)
-            if not any(path[:n] in unread for n in range(1, len(path) + 1))
-        ]
-    return document, None, faults
+        found = validation_faults(error, document, Spec)
+    # What could not be read has had its complaint; what follows from it needs none.
+    unread = {path for path, _ in reading_faults if path is not None}
+    faults += [fault for path, fault in found if not any(path[:n] in unread for n in range(1, len(path) + 1))]
+    return Reading(document, _best(Spec, document.data), tuple(faults), frozenset(path for path, _ in found))
+
+
+def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
+    """The reading of a text without faults. Raises :class:`DiagnosticError` with all those of any other."""
+    reading = read_spec(text, name, overrides)
+    if reading.faults:
+        raise DiagnosticError(in_reading_order(reading.faults))
+    return reading
 
 
 def json_schema(worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] = NOTHING) -> dict[str, Any]:
@@ -78,3 +82,43 @@ def json_schema(worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] =
         if known:
             field |= {"enum": list(known), "description": f"{field['description']}; {'; '.join(lines)}"}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}
+
+
+def _best(model: type[M], data: object) -> M:
+    """What can be read of faulty data, field by field; not validated as a whole."""
+    given = data if isinstance(data, dict) else {}
+    values = {}
+    for name, field in model.model_fields.items():
+        key = field.alias or name
+        if key in given:
+            kind: Any = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+            values[key] = _value(kind, given[key])
+        elif field.is_required():
+            values[key] = _rest(field.annotation, _ABSENT)
+    return model.model_construct(**values)
+
+
+@cache
+def _adapter(annotation: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(annotation)
+
+
+def _value(annotation: Any, value: object) -> Any:
+    try:
+        return _adapter(annotation).validate_python(value)
+    except ValidationError:
+        return _rest(annotation, value)
+
+
+def _rest(annotation: Any, value: object) -> Any:
+    """What can be read of a faulty value: the fields of a model, the items of a mapping or a list; else None."""
+    kinds = [kind for kind in alternatives(annotation) if kind is not type(None)]
+    models = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]
+    if len(models) == 1 and (isinstance(value, dict) or len(kinds) == 1):
+        return _best(models[0], value)
+    origin, arguments = (get_origin(kinds[0]), get_args(kinds[0])) if len(kinds) == 1 else (None, ())
+    if origin is dict:
+        return {key: _value(arguments[1], item) for key, item in value.items()} if isinstance(value, dict) else {}
+    if origin is tuple and arguments[-1] is ...:
+        return tuple(_value(arguments[0], item) for item in (value if isinstance(value, list) else ()))
+    return None

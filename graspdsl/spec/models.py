@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from graspdsl.spec.fields import Model, Number, fault, form, forms, is_number
+from graspdsl.places.fields import Model, Number, fault, form, forms, is_number
+from graspdsl.places.wording import shown
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
 from graspdsl.spec.scene import Scene
 from graspdsl.spec.trials import Trials
-from graspdsl.spec.wording import shown
 
 
 def _version(value: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, WithJsonSchema, model_validator
 
-from graspdsl.spec.fields import Count, Metres, Model, Number, Seconds, Unit, form, forms, is_number
+from graspdsl.places.fields import Count, Metres, Model, Number, Seconds, Unit, form, forms, is_number
 
 OFF: Literal["off"] = "off"
 AT_ONCE = 0.0  # s

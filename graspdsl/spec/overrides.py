@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document, parse_value
-from graspdsl.spec.files import SIZE_LIMIT
-from graspdsl.spec.positions import Lines
-from graspdsl.spec.scene import FILES, SHAPES, InlineObject
-from graspdsl.spec.wording import Data, shortened, shown
+from graspdsl.objects.shapes import SHAPES
+from graspdsl.places.document import Document, Path, parse_value
+from graspdsl.places.files import SIZE_LIMIT
+from graspdsl.places.positions import Lines
+from graspdsl.places.wording import Data, shortened, shown
+from graspdsl.spec.scene import FILES, InlineObject
 
 _OF_ANY_OBJECT = InlineObject.model_fields.keys() - {*SHAPES, *FILES, "like"}
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from graspdsl.spec.fields import Metres, Model, Number, Seconds, Unit, fault
+from graspdsl.places.fields import Metres, Model, Number, Seconds, Unit, fault
 
 
 class Until(Model):

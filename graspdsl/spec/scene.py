@@ -2,67 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, create_model, model_validator
 
-from graspdsl.spec.fields import Kilograms, Metres, Model, Number, exactly, fault, form, forms
+from graspdsl.objects.shape import DescribedShape
+from graspdsl.objects.shapes import SHAPES
+from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms
 from graspdsl.spec.sensing import SensingChoice
-
-Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
-Rounding = Annotated[Metres, Field(gt=0.0, le=1.0)]
-
-
-class Cylinder(Model):
-    """An upright cylinder."""
-
-    diameter: Size = Field(description="diameter (m), 0.005 to 2", examples=[0.10])
-    height: Size = Field(description="height (m), 0.005 to 2", examples=[0.20])
-    edge: Rounding = Field(default=0.005, description="radius (m) that rounds the edges where contacts float")
-
-
-class Sphere(Model):
-    """A ball."""
-
-    diameter: Size = Field(description="diameter (m), 0.005 to 2", examples=[0.10])
-
-
-class Box(Model):
-    """A box with edges along the axes of the world."""
-
-    size: Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")] = Field(
-        description="lengths of the edges along x, y and z (m), 0.005 to 2 each", examples=[[0.06, 0.06, 0.20]]
-    )
-
-
-class Ellipsoid(Model):
-    """An ellipsoid with axes along those of the world."""
-
-    size: Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")] = Field(
-        description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.15]]
-    )
-
-
-class Superquadric(Model):
-    """|x/a|^p + |y/b|^p + |z/c|^p = 1: between a ball and a box."""
-
-    size: Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")] = Field(
-        description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.16]]
-    )
-    exponent: Number = Field(ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box")
-
-
-class Bottle(Model):
-    """A bottle of revolution: body, shoulder, neck."""
-
-    diameter: Size = Field(description="diameter of the body (m)", examples=[0.08])
-    height: Size = Field(description="height of the whole (m)", examples=[0.22])
-    neck_diameter: Size = Field(description="diameter of the neck (m)", examples=[0.03])
-    body_height: Size = Field(description="height of the body below the shoulder (m)", examples=[0.13])
-    neck_height: Size = Field(description="height of the neck above the shoulder (m)", examples=[0.04])
-    shoulder: Rounding = Field(description="rounding of the shoulder (m)", examples=[0.015])
-    edge: Rounding = Field(description="rounding of bottom and top (m)", examples=[0.008])
-
 
 FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
 
@@ -86,13 +33,10 @@ class Mesh(Model):
     )
 
 
-SHAPES = ("cylinder", "sphere", "box", "ellipsoid", "superquadric", "bottle")
 FILES = ("mesh", "urdf")
 
 
-class InlineObject(Model):
-    """An object described in the spec itself: exactly one shape or a catalogue name, and what is special about it."""
-
+class _Described(Model):
     name: str | None = Field(default=None, min_length=1, max_length=60, description="what reports call the object")
     mass: Kilograms | None = Field(
         default=None, gt=0.0, le=100.0, description="mass (kg), above 0; by default 0.5, or the catalogue's"
@@ -100,12 +44,18 @@ class InlineObject(Model):
     held: bool = Field(default=False, strict=True, description="whether it is fixed to the hand when a trial starts")
     fixed: bool = Field(default=False, strict=True, description="whether it is fixed to the world")
     like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
-    cylinder: Cylinder | None = Field(default=None, description="an upright cylinder")
-    sphere: Sphere | None = Field(default=None, description="a ball")
-    box: Box | None = Field(default=None, description="a box")
-    ellipsoid: Ellipsoid | None = Field(default=None, description="an ellipsoid")
-    superquadric: Superquadric | None = Field(default=None, description="a superquadric")
-    bottle: Bottle | None = Field(default=None, description="a bottle of revolution")
+
+
+if TYPE_CHECKING:
+    _Shaped = _Described
+else:  # with a key for each shape of the table
+    _keys = {name: (kind | None, Field(default=None, description=kind.about)) for name, kind in SHAPES.items()}
+    _Shaped = create_model("_Shaped", __base__=_Described, **_keys)
+
+
+class InlineObject(_Shaped):
+    """An object described in the spec itself: exactly one shape or a catalogue name, and what is special about it."""
+
     mesh: Mesh | None = Field(default=None, description="a file of triangles, placed by its bounding box")
     urdf: FilePath | None = Field(
         default=None,
@@ -128,13 +78,9 @@ class InlineObject(Model):
         return self
 
     @property
-    def shape(self) -> tuple[str, dict[str, Any]] | None:
-        """The kind of the one shape there is and its fields; None for one of the catalogue or of a file."""
-        for kind in SHAPES:
-            chosen = getattr(self, kind)
-            if chosen is not None:
-                return kind, chosen.model_dump()
-        return None
+    def shape(self) -> DescribedShape | None:
+        """The one shape there is; None for one of the catalogue or of a file."""
+        return next((shape for name in SHAPES if (shape := getattr(self, name)) is not None), None)
 
 
 def _object_form(value: Any) -> str | None:

@@ -14,8 +14,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, model_validator
 
-from graspdsl.spec.fields import Metres, Model, Number, Seconds, Unit, fault, form, forms
-from graspdsl.spec.wording import as_yaml
+from graspdsl.places.fields import Metres, Model, Number, Seconds, Unit, fault, form, forms
+from graspdsl.places.wording import as_yaml
 
 Newtons = Annotated[Number, Unit("N"), Field(ge=0.0, le=100.0)]
 NewtonMetres = Annotated[Number, Unit("N·m"), Field(ge=0.0, le=10.0)]

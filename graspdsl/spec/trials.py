@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
+from graspdsl.places.fields import Count, Model, Number, fault
 from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length, outcomes_of
-from graspdsl.spec.fields import Count, Model, Number, fault
 
 MOST_TRIALS = 100_000
 PARAMETERS = ("roll", "height", "standoff", "yaw", "offset", "tilt")

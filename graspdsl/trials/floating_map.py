@@ -12,7 +12,6 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import known_names_hint
-from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.spec.monitors import OFF
 from graspdsl.spec.program import Until
@@ -61,7 +60,7 @@ def floating_cells(
     if any(phase.hysteresis for phase in program.spec.program):
         message = "a map of floating contacts cannot go back to an earlier stage, as hysteresis asks"
         raise refused("not-mapped", message, "map without: --set program.0.hysteresis=null")
-    surface = surface_of(program.body.shape)
+    surface = program.body.shape.surface()
     points = starts(surface, x, y, names.index(moved), len(names), seed)
     runs = []
     for first in range(0, len(points), TOGETHER):

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.places.validation import slot
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.model_paths import slot
 from graspdsl.spec.models import Spec
 from graspdsl.spec.trials import GridAxis, Start
 from graspdsl.trials.cells import Axis, Cells

@@ -9,7 +9,7 @@ from importlib import metadata
 
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
-from graspdsl.spec.named_files import digest_of
+from graspdsl.places.files import digest_of
 from graspdsl.trials.store import MANIFEST, SPEC, RunFolder
 
 LIBRARIES = ("graspdsl", "numpy", "pybullet", "scipy")

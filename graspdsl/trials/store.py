@@ -17,8 +17,7 @@ from typing import Annotated
 from pydantic import Field, TypeAdapter
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
-from graspdsl.spec.files import read_text
-from graspdsl.spec.named_files import COPIES, RUN_MANIFEST, NamedFile
+from graspdsl.places.files import COPIES, RUN_MANIFEST, NamedFile, read_text
 from graspdsl.spec.trials import MOST_TRIALS
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.lock import LOCK, locked, unwritable

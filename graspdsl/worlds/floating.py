@@ -13,7 +13,6 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import along
 from graspdsl.basis.spaces import GradientSpace
-from graspdsl.objects.floating_surface import surface_of
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WorldInfo
@@ -75,7 +74,7 @@ class Floating(WorldKind):
         """Contacts on the surface of the object."""
         body = settings.body
         return FloatingWorld(
-            settings.robot.contacts, surface_of(body.shape), settings.gravity * body.mass, body.major_axis
+            settings.robot.contacts, body.shape.surface(), settings.gravity * body.mass, body.major_axis
         )
 
     def studio(self, view: View) -> TrialStudio:

@@ -9,7 +9,7 @@ import pytest
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.hands.hand_files import HandFileError, hand_in
 from graspdsl.hands.robot_model import robot_model
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 
 from .models import HAND, URDF, changed, write
 

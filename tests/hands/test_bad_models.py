@@ -23,10 +23,10 @@ from graspdsl.hands.hand_check import faults
 from graspdsl.hands.hand_files import HandFileError, hand_in
 from graspdsl.hands.kinematic_tree import MOST_LINKS
 from graspdsl.hands.robot_model import robot_model
-from graspdsl.spec.document import parse_document
-from graspdsl.spec.named_files import SpecFolder
-from graspdsl.spec.validation import validate_document
-from graspdsl.spec.xml_files import LARGEST
+from graspdsl.places.document import parse_document
+from graspdsl.places.files import SpecFolder
+from graspdsl.places.validation import validate_document
+from graspdsl.places.xml_files import LARGEST
 
 from .models import HAND, SPEC, URDF, changed, with_links, write
 

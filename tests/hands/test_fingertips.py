@@ -18,7 +18,7 @@ from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.fingertip_check import ALIKE
 from graspdsl.hands.fingertips import reach
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand

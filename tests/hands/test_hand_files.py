@@ -16,7 +16,7 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text
 from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
 from graspdsl.hands.model_joints import UNSTATED_EFFORT
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.trials.loop import identity
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet

@@ -14,7 +14,7 @@ from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import Severity
 from graspdsl.hands.hand_files import HandFileError, hand_in
 from graspdsl.hands.mesh_check import LARGEST
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
 from .models import HAND, SPEC, URDF, changed, write

@@ -10,7 +10,7 @@ import trimesh
 
 from graspdsl.diagnostics import Severity
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
 from .models import URDF, changed, write

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.hands.hand_files import hand_in
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet
 
 INERTIAL = '<inertial pos="0 0 0.01" mass="0.1" diaginertia="1e-4 2e-4 3e-4"/>'

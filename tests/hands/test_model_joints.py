@@ -13,7 +13,7 @@ import pytest
 from graspdsl.diagnostics import DiagnosticError, Severity
 from graspdsl.hands.hand_files import HandFileError, hand_in
 from graspdsl.hands.robot_model import MOST_LINKS, robot_model
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
 from .models import HAND, URDF, changed, with_links, write

@@ -12,7 +12,7 @@ import pytest
 
 from graspdsl.hands.descriptions import Robot, mounts
 from graspdsl.hands.hand_files import FoundHand, hand_in
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
 

@@ -8,31 +8,36 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.objects.surfaces import Bottle, Ellipsoid, RoundedCylinder, Sphere, Superquadric, Surface
+from graspdsl.objects.bottle import SmoothBottle
+from graspdsl.objects.cylinder import RoundedCylinder
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.objects.sphere import SmoothSphere
+from graspdsl.objects.superquadric import SmoothSuperquadric
+from graspdsl.objects.surfaces.surface import Surface
 
 SURFACES: Mapping[str, Surface] = {
-    "ball": Sphere(0.1),
-    "marble": Sphere(0.01),
-    "ellipsoid A": Ellipsoid((0.05, 0.06, 0.075)),
-    "ellipsoid B": Ellipsoid((0.05, 0.075, 0.11)),
-    "ellipsoid of equal axes": Ellipsoid((0.05, 0.05, 0.05)),
-    "disc": Ellipsoid((0.1, 0.1, 0.01)),
-    "cigar": Ellipsoid((0.01, 0.01, 0.1)),
+    "ball": SmoothSphere(0.1),
+    "marble": SmoothSphere(0.01),
+    "ellipsoid A": SmoothEllipsoid((0.05, 0.06, 0.075)),
+    "ellipsoid B": SmoothEllipsoid((0.05, 0.075, 0.11)),
+    "ellipsoid of equal axes": SmoothEllipsoid((0.05, 0.05, 0.05)),
+    "disc": SmoothEllipsoid((0.1, 0.1, 0.01)),
+    "cigar": SmoothEllipsoid((0.01, 0.01, 0.1)),
     "towel roll": RoundedCylinder(0.1, 0.2, 0.005),
     "coin": RoundedCylinder(0.1, 0.02, 0.004),
     "capsule": RoundedCylinder(0.05, 0.2, 0.025),
-    "superquadric 2": Superquadric((0.05, 0.06, 0.08), 2.0),
-    "superquadric 2.5": Superquadric((0.05, 0.06, 0.08), 2.5),
-    "superquadric 3": Superquadric((0.05, 0.06, 0.08), 3.0),
-    "superquadric 8": Superquadric((0.05, 0.06, 0.08), 8.0),
-    "plate": Superquadric((0.1, 0.06, 0.01), 4.0),
-    "box": Superquadric((0.05, 0.05, 0.05), 10.0),
-    "bottle": Bottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008),
-    "flask": Bottle(0.2, 0.25, 0.06, 0.1, 0.08, 0.03, 0.02),
+    "superquadric 2": SmoothSuperquadric((0.05, 0.06, 0.08), 2.0),
+    "superquadric 2.5": SmoothSuperquadric((0.05, 0.06, 0.08), 2.5),
+    "superquadric 3": SmoothSuperquadric((0.05, 0.06, 0.08), 3.0),
+    "superquadric 8": SmoothSuperquadric((0.05, 0.06, 0.08), 8.0),
+    "plate": SmoothSuperquadric((0.1, 0.06, 0.01), 4.0),
+    "box": SmoothSuperquadric((0.05, 0.05, 0.05), 10.0),
+    "bottle": SmoothBottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008),
+    "flask": SmoothBottle(0.2, 0.25, 0.06, 0.1, 0.08, 0.03, 0.02),
 }
-CONVEX = {name: surface for name, surface in SURFACES.items() if not isinstance(surface, Bottle)}
+CONVEX = {name: surface for name, surface in SURFACES.items() if not isinstance(surface, SmoothBottle)}
 # Superquadrics put points inside only near their nearest point.
-EXACT = {name: surface for name, surface in SURFACES.items() if not isinstance(surface, Superquadric)}
+EXACT = {name: surface for name, surface in SURFACES.items() if not isinstance(surface, SmoothSuperquadric)}
 
 EACH_SURFACE = pytest.mark.parametrize("surface", SURFACES.values(), ids=SURFACES)
 EACH_CONVEX_SURFACE = pytest.mark.parametrize("surface", CONVEX.values(), ids=CONVEX)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.objects.surfaces import Ellipsoid, Superquadric, ellipsoid, superquadric
+from graspdsl.objects import ellipsoid, superquadric
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.objects.superquadric import SmoothSuperquadric
 from graspdsl.objects.surfaces.surface import Surface
 
 from .table import generator, tangent_steps
@@ -35,7 +37,7 @@ def _assert_nearest(surface: Surface, points: Array, feet: Array) -> None:
 
 @EACH_AXES
 def test_ellipsoid_from_anywhere(axes: tuple[float, float, float]) -> None:
-    surface, points = Ellipsoid(axes), _anywhere(axes)
+    surface, points = SmoothEllipsoid(axes), _anywhere(axes)
     feet = surface.nearest(points)
     _assert_nearest(surface, points, feet)
     inside = surface.level(points) < 0.0
@@ -49,7 +51,7 @@ def test_ellipsoid_from_anywhere(axes: tuple[float, float, float]) -> None:
 @EACH_EXPONENT
 @EACH_AXES
 def test_superquadric_from_anywhere(axes: tuple[float, float, float], exponent: float) -> None:
-    surface, points = Superquadric(axes, exponent), _anywhere(axes)
+    surface, points = SmoothSuperquadric(axes, exponent), _anywhere(axes)
     feet = surface.nearest(points)
     outside = surface.level(points) > 0.0
     _assert_nearest(surface, points[outside], feet[outside])
@@ -75,7 +77,7 @@ def test_reciprocal_gauge_is_concave_and_growing(axes: tuple[float, float, float
     assert np.all(np.diff(chords, axis=0) <= 1e-9 * chords[:-1] + 1e-12 * values[1:-1] / multipliers[1:-1, None])
 
 
-@pytest.mark.parametrize(("module", "surface"), [(ellipsoid, Ellipsoid((0.05, 0.075, 0.11)))])
+@pytest.mark.parametrize(("module", "surface"), [(ellipsoid, SmoothEllipsoid((0.05, 0.075, 0.11)))])
 def test_few_passes_are_enough_for_an_ellipsoid(
     module: object, surface: Surface, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -84,7 +86,7 @@ def test_few_passes_are_enough_for_an_ellipsoid(
 
 @EACH_EXPONENT
 def test_few_passes_are_enough_for_a_superquadric(exponent: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    _assert_few_passes(superquadric, Superquadric((0.05, 0.06, 0.08), exponent), 12, monkeypatch)
+    _assert_few_passes(superquadric, SmoothSuperquadric((0.05, 0.06, 0.08), exponent), 12, monkeypatch)
 
 
 def _assert_few_passes(module: object, surface: Surface, passes: int, monkeypatch: pytest.MonkeyPatch) -> None:

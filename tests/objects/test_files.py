@@ -15,13 +15,15 @@ import numpy as np
 import pytest
 import trimesh
 
+from graspdsl.compiler.object_check import body_in
 from graspdsl.compiler.program import examine, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
-from graspdsl.objects.bodies import body_of
-from graspdsl.objects.facets import convex_parts, shaded
+from graspdsl.objects.compound import Compound
 from graspdsl.objects.mesh_files import mesh_of_file
-from graspdsl.objects.shapes import Body, Compound, TriangleMesh
-from graspdsl.objects.solid import solid_of
+from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.triangles import TriangleMesh
+from graspdsl.places.files import SpecFolder
 from graspdsl.spec.scene import InlineObject
 
 from .parts import URDF, cylinder, ring, without, write
@@ -33,9 +35,13 @@ def _spec(thing: str) -> str:
     return SPEC.replace("  object: towel-roll\n", f"  object: {thing}\n")
 
 
+def _body(thing: InlineObject, folder: Path) -> Body:
+    return body_in(SpecFolder(folder), thing, lambda _: None)
+
+
 def _mesh(folder: Path, mesh: trimesh.Trimesh, name: str = "part.stl", **fields: object) -> Body:
     write(mesh, folder / name)
-    return body_of(InlineObject.model_validate({"mesh": {"file": name, **fields}, "mass": 0.5}), folder)
+    return _body(InlineObject.model_validate({"mesh": {"file": name, **fields}, "mass": 0.5}), folder)
 
 
 @pytest.mark.parametrize("name", ["part.stl", "part.obj"])
@@ -45,7 +51,7 @@ def test_a_mesh_is_placed_by_its_bounding_box_and_weighs_what_trimesh_says(
 ) -> None:
     mesh = make()
     body = _mesh(tmp_path, mesh, name)
-    solid = solid_of(body.shape)
+    solid = body.shape.solid
     np.testing.assert_allclose(body.shape.extent, mesh.extents, atol=1e-6)
     np.testing.assert_allclose(solid.centre, mesh.center_mass - mesh.bounds.mean(axis=0), atol=1e-6)
     assert solid.volume == pytest.approx(mesh.volume, rel=1e-5)
@@ -63,14 +69,14 @@ def test_the_file_may_be_in_other_units(tmp_path: Path) -> None:
 def test_density_makes_the_mass(tmp_path: Path) -> None:
     write(trimesh.creation.box((0.1, 0.2, 0.3)), tmp_path / "part.stl")
     thing = InlineObject.model_validate({"mesh": {"file": "part.stl", "density": 500.0}})
-    assert body_of(thing, tmp_path).mass == pytest.approx(0.006 * 500.0, rel=1e-6)
+    assert _body(thing, tmp_path).mass == pytest.approx(0.006 * 500.0, rel=1e-6)
 
 
 def test_a_mesh_turned_inside_out_is_turned_back(tmp_path: Path) -> None:
     mesh = cylinder()
     volume = mesh.volume
     mesh.invert()
-    assert solid_of(_mesh(tmp_path, mesh).shape).volume == pytest.approx(volume, rel=1e-5)
+    assert _mesh(tmp_path, mesh).shape.solid.volume == pytest.approx(volume, rel=1e-5)
 
 
 def test_the_longest_side_of_a_mesh_is_its_major_axis(tmp_path: Path) -> None:
@@ -111,11 +117,11 @@ def test_edges_of_a_mesh_are_sharp_and_its_curves_smooth(tmp_path: Path) -> None
 def test_a_urdf_is_one_body_about_its_bounding_box(tmp_path: Path) -> None:
     write(trimesh.creation.box((0.1, 0.1, 0.1)), tmp_path / "shade.stl")
     (tmp_path / "lamp.urdf").write_text(URDF.format(mesh="shade.stl"))
-    body = body_of(InlineObject.model_validate({"urdf": "lamp.urdf"}), tmp_path)
+    body = _body(InlineObject.model_validate({"urdf": "lamp.urdf"}), tmp_path)
     assert isinstance(body.shape, Compound)
     assert body.mass == 0.3  # as the file says; its inertia of a ton is not believed
     volumes = 0.12 * 0.10 * 0.10, np.pi * 0.02**2 * 0.08, 0.05**3
-    solid = solid_of(body.shape)
+    solid = body.shape.solid
     assert solid.volume == pytest.approx(sum(volumes), rel=1e-6)
     assert body.shape.extent[2] == pytest.approx(0.12 + 0.05 + 0.025)
     heights = 0.05, 0.12, 0.17

@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graspdsl.objects.surfaces import Ellipsoid, Mesh, RoundedCylinder, Sphere, Surface
+from graspdsl.objects.cylinder import RoundedCylinder
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.objects.sphere import SmoothSphere
+from graspdsl.objects.surfaces.mesh import Mesh
+from graspdsl.objects.surfaces.surface import Surface
 
 from .table import EACH_SURFACE
 
 VOLUMES = {
-    "sphere": (Sphere(0.1), np.pi / 6 * 1e-3),
-    "ellipsoid": (Ellipsoid((0.05, 0.06, 0.08)), 4 / 3 * np.pi * 0.05 * 0.06 * 0.08),
+    "sphere": (SmoothSphere(0.1), np.pi / 6 * 1e-3),
+    "ellipsoid": (SmoothEllipsoid((0.05, 0.06, 0.08)), 4 / 3 * np.pi * 0.05 * 0.06 * 0.08),
     "capsule": (RoundedCylinder(0.1, 0.3, 0.05), np.pi / 6 * 1e-3 + np.pi * 0.05**2 * 0.2),
 }
 

@@ -9,13 +9,15 @@ import pytest
 import trimesh
 
 from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Placed
+from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.mesh_files import mesh_of_file
 from graspdsl.objects.overlaps import overlaps
-from graspdsl.objects.primitives import Box, Cylinder, Sphere
+from graspdsl.objects.sphere import Sphere
 from graspdsl.objects.triangles import TriangleMesh
 from graspdsl.objects.urdf_files import object_of_urdf
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
 
 from .parts import URDF, cylinder, ring, without, write
 
@@ -32,19 +34,35 @@ def _lens(radius: float, away: float) -> float:
     return (2 * radius - away) ** 2 * (away + 4 * radius) / (16 * radius**3)
 
 
+def _box(*size: float) -> Box:
+    return Box.model_construct(size=size)  # larger than a spec can have it
+
+
+def _ball(diameter: float) -> Sphere:
+    return Sphere.model_construct(diameter=diameter)
+
+
+def _rod(diameter: float, height: float) -> Cylinder:
+    return Cylinder.model_construct(diameter=diameter, height=height)
+
+
 TURNED = (0.3, -0.7, 1.1)
 PAIRS = {
-    "boxes": (Placed(Box((1, 1, 1)), (0, 0, 0)), Placed(Box((2, 2, 2)), (1.2, 0, 0)), 0.3),
-    "one in the other": (Placed(Box((4, 4, 4)), (0, 0, 0), TURNED), Placed(Sphere(1.0), (0.2, 0, 0)), 1.0),
-    "balls": (Placed(Sphere(2.0), (0, 0, 0)), Placed(Sphere(2.0), (0.6, 0.8, 0)), _lens(1.0, 1.0)),
+    "boxes": (Placed(_box(1, 1, 1), (0, 0, 0)), Placed(_box(2, 2, 2), (1.2, 0, 0)), 0.3),
+    "one in the other": (
+        Placed(_box(4, 4, 4), (0, 0, 0), TURNED),
+        Placed(_ball(1.0), (0.2, 0, 0)),
+        1.0,
+    ),
+    "balls": (Placed(_ball(2.0), (0, 0, 0)), Placed(_ball(2.0), (0.6, 0.8, 0)), _lens(1.0, 1.0)),
     "crossed cylinders": (  # Steinmetz's solid, 16/3 r³
-        Placed(Cylinder(2.0, 4.0), (0, 0, 0)),
-        Placed(Cylinder(2.0, 4.0), (0, 0, 0), (np.pi / 2, 0, 0)),
+        Placed(_rod(2.0, 4.0), (0, 0, 0)),
+        Placed(_rod(2.0, 4.0), (0, 0, 0), (np.pi / 2, 0, 0)),
         16 / 3 / (np.pi * 4.0),
     ),
     "a turned rod in a box": (  # of length 10, from the centre to a face: at 45° √2 of 5
-        Placed(Box((2, 4, 2)), (0, 0, 0)),
-        Placed(Cylinder(0.01, 10.0), (5 / np.sqrt(2), 0, 5 / np.sqrt(2)), (0, np.pi / 4, 0)),
+        Placed(_box(2, 4, 2), (0, 0, 0)),
+        Placed(_rod(0.01, 10.0), (5 / np.sqrt(2), 0, 5 / np.sqrt(2)), (0, np.pi / 4, 0)),
         np.sqrt(2) / 10,
     ),
 }
@@ -60,7 +78,10 @@ def test_the_share_of_the_smaller_part(one: Placed, other: Placed, share: float)
 
 @pytest.mark.parametrize("gap", [0.0, -0.01, 0.01])
 def test_parts_that_touch_do_not_overlap(gap: float) -> None:
-    boxes = [Placed(Box((1, 1, 1)), (0, 0, 0), TURNED), Placed(Box((1, 1, 1)), (0, 0, 0), TURNED)]
+    boxes = [
+        Placed(_box(1, 1, 1), (0, 0, 0), TURNED),
+        Placed(_box(1, 1, 1), (0, 0, 0), TURNED),
+    ]
     aside = boxes[0].rotation @ [1.0 + gap, 0.0, 0.0]
     x, y, z = aside.tolist()
     assert list(overlaps([boxes[0], Placed(boxes[1].part, (x, y, z), TURNED)])) == []
@@ -70,12 +91,12 @@ def test_a_thing_in_the_hole_of_a_ring_is_not_in_the_ring(tmp_path: Path) -> Non
     """The ring from 3 to 5 cm; its outline is a polygon of 24 sides."""
     around = Placed(_mesh(tmp_path, ring()), (0.1, 0.2, 0.3), TURNED)
     for across, expected in ((0.056, None), (0.08, 1.0 - (0.03 / 0.04) ** 2)):
-        found = overlaps([around, Placed(Cylinder(across, 0.05), (0.1, 0.2, 0.3), TURNED)])
+        found = overlaps([around, Placed(_rod(across, 0.05), (0.1, 0.2, 0.3), TURNED)])
         assert [overlap.share for overlap in found] == ([] if expected is None else [pytest.approx(expected, abs=0.02)])
 
 
 def test_a_mesh_with_holes_holds_what_its_mass_is_counted_for(tmp_path: Path) -> None:
-    inside = Placed(Sphere(0.02), (1.0, 2.0, 3.0))
+    inside = Placed(_ball(0.02), (1.0, 2.0, 3.0))
     for mesh in (cylinder(), without(cylinder(), 9)):
         ((_, _, share),) = overlaps([Placed(_mesh(tmp_path, mesh), (0.0, 0.0, 0.0)), inside])
         assert share == pytest.approx(1.0, abs=CLOSE)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graspdsl.objects.surfaces import Bottle
+from graspdsl.objects.bottle import SmoothBottle
 from graspdsl.objects.surfaces.profile import Pair, Profile, rounded
 
 from .table import generator
 
-BOTTLE = Bottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008).profile
+BOTTLE = SmoothBottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008).profile
 # A foot with a hollow under it, a wall that leans in, a lid.
 BOWL = rounded(
     ((0.0, 0.02), (0.02, 0.02), (0.03, 0.0), (0.06, 0.0), (0.04, 0.1), (0.0, 0.1)), (0.004, 0.006, 0.01, 0.01)

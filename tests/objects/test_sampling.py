@@ -8,7 +8,8 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from graspdsl.arrays import Array
-from graspdsl.objects.surfaces import Bottle, Surface
+from graspdsl.objects.bottle import SmoothBottle
+from graspdsl.objects.surfaces.surface import Surface
 
 from .table import EACH_SURFACE, generator
 
@@ -63,7 +64,7 @@ def test_samples_are_even_over_the_area(surface: Surface) -> None:
 def test_samples_are_symmetric(surface: Surface) -> None:
     points = surface.sample(20_000, generator())
     means = points.mean(axis=0) / (points.std(axis=0) / np.sqrt(len(points)))
-    symmetric = means[:2] if isinstance(surface, Bottle) else means
+    symmetric = means[:2] if isinstance(surface, SmoothBottle) else means
     assert np.abs(symmetric).max() < norm.isf(CHANCE / 6)
 
 

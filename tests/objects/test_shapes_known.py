@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.objects.surfaces import Bottle, Ellipsoid, RoundedCylinder, Sphere, Superquadric, Surface
+from graspdsl.objects.bottle import SmoothBottle
+from graspdsl.objects.cylinder import RoundedCylinder
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.objects.sphere import SmoothSphere
+from graspdsl.objects.superquadric import SmoothSuperquadric
+from graspdsl.objects.surfaces.surface import Surface
 
 from .table import generator, tangent_steps
 
 ROLL = RoundedCylinder(0.1, 0.2, 0.005)
-BOTTLE = Bottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008)
+BOTTLE = SmoothBottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.02, 0.008)
 
 
 def _clouds() -> list[Array]:
@@ -26,14 +31,14 @@ def _curvature(surface: Surface, point: Array, step: Array) -> float:
 
 
 def test_points_of_a_sphere_are_a_radius_from_its_centre() -> None:
-    points = Sphere(0.1).sample(1000, generator())
+    points = SmoothSphere(0.1).sample(1000, generator())
     np.testing.assert_allclose(np.linalg.norm(points, axis=-1), 0.05, rtol=1e-15)
-    np.testing.assert_allclose(Sphere(0.1).normals(points), points / 0.05, rtol=1e-13)
+    np.testing.assert_allclose(SmoothSphere(0.1).normals(points), points / 0.05, rtol=1e-13)
 
 
 @pytest.mark.parametrize("diameter", [0.01, 0.1, 2.0])
 def test_normals_of_a_sphere_turn_by_one_over_its_radius(diameter: float) -> None:
-    sphere, random = Sphere(diameter), generator()
+    sphere, random = SmoothSphere(diameter), generator()
     points = sphere.sample(1000, random)
     steps = tangent_steps(sphere, points, random)
     for length in np.array([1e-4, 1e-2, 0.3]) * diameter:
@@ -51,7 +56,7 @@ def test_curvatures_of_an_ellipsoid_at_its_vertices() -> None:
         for along in {0, 1, 2} - {vertex}:
             point, step = axes[vertex] * np.eye(3)[vertex], 1e-7 * np.eye(3)[along]
             expected = axes[vertex] / axes[along] ** 2
-            assert _curvature(Ellipsoid(axes), point, step) == pytest.approx(expected, rel=1e-6)
+            assert _curvature(SmoothEllipsoid(axes), point, step) == pytest.approx(expected, rel=1e-6)
 
 
 def test_curvatures_of_a_cylinder() -> None:
@@ -89,7 +94,7 @@ def test_level_of_a_cylinder_is_that_of_a_smaller_one_offset() -> None:
 
 @pytest.mark.parametrize("axes", [(0.05, 0.06, 0.08), (0.1, 0.1, 0.01), (0.01, 0.1, 0.02)])
 def test_superquadric_of_exponent_two_is_an_ellipsoid(axes: tuple[float, float, float]) -> None:
-    one, other = Superquadric(axes, 2.0), Ellipsoid(axes)
+    one, other = SmoothSuperquadric(axes, 2.0), SmoothEllipsoid(axes)
     for points in _clouds():
         outside = points[other.level(points) > 0.0]
         np.testing.assert_allclose(one.retract(outside), other.retract(outside), atol=1e-13)
@@ -99,13 +104,17 @@ def test_superquadric_of_exponent_two_is_an_ellipsoid(axes: tuple[float, float, 
 
 def test_ellipsoid_of_equal_axes_is_a_sphere() -> None:
     for points in _clouds():
-        np.testing.assert_allclose(Ellipsoid((0.05,) * 3).retract(points), Sphere(0.1).retract(points), atol=1e-14)
-        np.testing.assert_allclose(Ellipsoid((0.05,) * 3).level(points), Sphere(0.1).level(points), atol=1e-14)
+        np.testing.assert_allclose(
+            SmoothEllipsoid((0.05,) * 3).retract(points), SmoothSphere(0.1).retract(points), atol=1e-14
+        )
+        np.testing.assert_allclose(
+            SmoothEllipsoid((0.05,) * 3).level(points), SmoothSphere(0.1).level(points), atol=1e-14
+        )
 
 
 @pytest.mark.parametrize("exponent", [2.5, 3.0, 8.0])
 def test_points_of_a_superquadric_meet_its_equation(exponent: float) -> None:
-    points = Superquadric((0.05, 0.06, 0.08), exponent).sample(1000, generator())
+    points = SmoothSuperquadric((0.05, 0.06, 0.08), exponent).sample(1000, generator())
     sums = np.sum(np.abs(points / [0.05, 0.06, 0.08]) ** exponent, axis=-1)
     np.testing.assert_allclose(sums, 1.0, atol=1e-13)
 
@@ -123,16 +132,16 @@ def test_a_bottle_has_a_body_a_shoulder_and_a_neck() -> None:
 @pytest.mark.parametrize(
     ("build", "words"),
     [
-        (lambda: Sphere(0.0), "diameter"),
-        (lambda: Ellipsoid((0.1, -0.1, 0.1)), "semi axes"),
-        (lambda: Superquadric((0.1, 0.0, 0.1), 3.0), "semi axes"),
-        (lambda: Superquadric((0.1, 0.1, 0.1), 1.5), "exponent"),
-        (lambda: Superquadric((0.1, 0.1, 0.1), float("nan")), "exponent"),
+        (lambda: SmoothSphere(0.0), "diameter"),
+        (lambda: SmoothEllipsoid((0.1, -0.1, 0.1)), "semi axes"),
+        (lambda: SmoothSuperquadric((0.1, 0.0, 0.1), 3.0), "semi axes"),
+        (lambda: SmoothSuperquadric((0.1, 0.1, 0.1), 1.5), "exponent"),
+        (lambda: SmoothSuperquadric((0.1, 0.1, 0.1), float("nan")), "exponent"),
         (lambda: RoundedCylinder(0.1, 0.2, 0.0), "positive"),
         (lambda: RoundedCylinder(0.1, 0.2, 0.06), "no room"),
         (lambda: RoundedCylinder(0.1, 0.02, 0.02), "no room"),
         (lambda: RoundedCylinder(-0.1, 0.2, 0.02), "keeps off"),
-        (lambda: Bottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.5, 0.008), "no room"),
+        (lambda: SmoothBottle(0.08, 0.25, 0.03, 0.15, 0.06, 0.5, 0.008), "no room"),
     ],
 )
 def test_impossible_shapes_are_refused(build: type[Surface], words: str) -> None:

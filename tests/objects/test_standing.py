@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from graspdsl.objects.shapes import Body, Ellipsoid, Shape, Superquadric, catalogue, shape_from
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.shape import Shape
+from graspdsl.objects.shapes import Body, catalogue, shape_from
 from graspdsl.objects.standing import fall_of
+from graspdsl.objects.superquadric import Superquadric
 from graspdsl.objects.triangles import TriangleMesh, enclosed
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.protocol import UnstableObjectError
@@ -23,10 +26,10 @@ def test_what_is_in_the_catalogue_stands(name: str) -> None:
 @pytest.mark.parametrize(
     ("shape", "degrees"),
     [
-        (Ellipsoid((0.06, 0.06, 0.12)), 90.0),  # on its end
-        (Ellipsoid((0.12, 0.06, 0.10)), 90.0),  # on the middle one of its axes
-        (Ellipsoid((0.12, 0.10, 0.06)), 0.0),
-        (Superquadric((0.06, 0.06, 0.2), 8.0), 0.0),  # on its flat end
+        (Ellipsoid(size=(0.06, 0.06, 0.12)), 90.0),  # on its end
+        (Ellipsoid(size=(0.12, 0.06, 0.10)), 90.0),  # on the middle one of its axes
+        (Ellipsoid(size=(0.12, 0.10, 0.06)), 0.0),
+        (Superquadric(size=(0.06, 0.06, 0.2), exponent=8.0), 0.0),  # on its flat end
     ],
 )
 def test_how_far_a_body_falls(shape: Shape, degrees: float) -> None:
@@ -54,26 +57,22 @@ def test_a_prism_stands_while_its_middle_is_over_its_base(aside: float, stands: 
 @pytest.mark.parametrize(
     "shape",
     [
-        Ellipsoid((0.06, 0.06, 0.12)),
-        Ellipsoid((0.10, 0.06, 0.05)),
+        Ellipsoid(size=(0.06, 0.06, 0.12)),
+        Ellipsoid(size=(0.10, 0.06, 0.05)),
         shape_from(
             {
-                "compound": {
-                    "parts": [
-                        {"box": {"size": [0.02, 0.02, 0.1]}, "at": [0, 0, 0.05]},
-                        {"box": {"size": [0.1, 0.02, 0.02]}, "at": [0.05, 0, 0.11]},
-                    ]
-                }
+                "compound": [
+                    {"box": {"size": [0.02, 0.02, 0.1]}, "at": [0, 0, 0.05]},
+                    {"box": {"size": [0.1, 0.02, 0.02]}, "at": [0.05, 0, 0.11]},
+                ]
             }
         ),
         shape_from(
             {
-                "compound": {
-                    "parts": [
-                        {"box": {"size": [0.06, 0.06, 0.1]}, "at": [0, 0, 0.05]},
-                        {"box": {"size": [0.06, 0.02, 0.02]}, "at": [0.04, 0, 0.11]},
-                    ]
-                }
+                "compound": [
+                    {"box": {"size": [0.06, 0.06, 0.1]}, "at": [0, 0, 0.05]},
+                    {"box": {"size": [0.06, 0.02, 0.02]}, "at": [0.04, 0, 0.11]},
+                ]
             }
         ),
         leaning(0.03),

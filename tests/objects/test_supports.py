@@ -8,8 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
-from graspdsl.objects.facets import convex_parts, shaded
-from graspdsl.objects.shapes import Body, Box, Ellipsoid, Sphere
+from graspdsl.objects.box import Box
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shapes import SHAPES as TABLE
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.sphere import Sphere
 
 from .thing import SHAPES, bounds, cells, inside
 
@@ -25,6 +29,19 @@ def _unit(direction: tuple[float, float, float]) -> Array:
 
 def _reach(vertices: Array, direction: Array) -> float:
     return float((vertices @ direction).max())
+
+
+def test_every_shape_that_a_spec_can_describe_is_here_under_its_own_name() -> None:
+    assert {type(shape) for shape in SHAPES.values()} >= {*TABLE.values()}
+    assert [kind.name for kind in TABLE.values()] == [*TABLE]
+
+
+@EACH_SHAPE
+def test_an_engine_s_own_shape_is_of_the_same_size(name: str) -> None:
+    shape = SHAPES[name]
+    halves = shape.primitive[1] if shape.primitive else ()
+    across = halves[:1] * (4 - len(halves)) + halves[1:]  # of a radius, in every direction that has no number
+    assert not halves or np.array_equal(2 * np.array(across), shape.extent)
 
 
 @EACH_SHAPE
@@ -71,11 +88,11 @@ def test_normals_of_the_drawn_surface_point_out_of_its_triangles(name: str) -> N
 @pytest.mark.parametrize(
     ("shape", "axis"),
     [
-        (Box((0.09, 0.06, 0.18)), (0.0, 0.0, 1.0)),
-        (Box((0.18, 0.06, 0.09)), (1.0, 0.0, 0.0)),
-        (Ellipsoid((0.10, 0.14, 0.09)), (0.0, 1.0, 0.0)),
-        (Ellipsoid((0.104, 0.10, 0.09)), (0.0, 0.0, 1.0)),  # not clearly the longest
-        (Sphere(0.1), (0.0, 0.0, 1.0)),
+        (Box(size=(0.09, 0.06, 0.18)), (0.0, 0.0, 1.0)),
+        (Box(size=(0.18, 0.06, 0.09)), (1.0, 0.0, 0.0)),
+        (Ellipsoid(size=(0.10, 0.14, 0.09)), (0.0, 1.0, 0.0)),
+        (Ellipsoid(size=(0.104, 0.10, 0.09)), (0.0, 0.0, 1.0)),  # not clearly the longest
+        (Sphere(diameter=0.1), (0.0, 0.0, 1.0)),
     ],
 )
 def test_the_major_axis_is_the_clearly_longest(

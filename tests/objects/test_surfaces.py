@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.objects.surfaces import Superquadric, Surface
+from graspdsl.objects.superquadric import SmoothSuperquadric
+from graspdsl.objects.surfaces.surface import Surface
 
 from .table import (
     EACH_CONVEX_SURFACE,
@@ -164,7 +165,7 @@ def test_a_batch_gives_what_its_points_give_alone(surface: Surface) -> None:
         shaped = function(points.reshape(4, 25, 2, 3))
         assert shaped.shape == (4, 25, 2, *alone.shape[1:])
         for batch in (function(points), shaped.reshape(alone.shape)):
-            if isinstance(surface, Superquadric):
+            if isinstance(surface, SmoothSuperquadric):
                 np.testing.assert_allclose(batch, alone, rtol=1e-14, atol=1e-14)
             else:
                 np.testing.assert_array_equal(batch, alone)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple
 from functools import singledispatch
 
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
+from graspdsl.objects.bottle import Bottle
+from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Compound, Loft
-from graspdsl.objects.shapes import Body, Bottle, Box, Cylinder, Ellipsoid, Shape, Sphere, Superquadric, catalogue
-from graspdsl.objects.surfaces import Bottle as BottleSurface
+from graspdsl.objects.cylinder import Cylinder
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.shape import Shape
+from graspdsl.objects.shapes import Body, catalogue
+from graspdsl.objects.sphere import Sphere
+from graspdsl.objects.superquadric import Superquadric
 
-EGG = Ellipsoid((0.10, 0.12, 0.16))
-PILLOW = Superquadric((0.12, 0.09, 0.10), 3.0)
-BRICK = Superquadric((0.09, 0.06, 0.14), 8.0)
+EGG = Ellipsoid(size=(0.10, 0.12, 0.16))
+PILLOW = Superquadric(size=(0.12, 0.09, 0.10), exponent=3.0)
+BRICK = Superquadric(size=(0.09, 0.06, 0.14), exponent=8.0)
 SHAPES: dict[str, Shape] = {
     **{name: body.shape for name, body in catalogue().items()},
     "egg": EGG,
@@ -57,7 +62,7 @@ def _(shape: Superquadric, points: Array) -> Flags:
 
 @inside.register
 def _(shape: Bottle, points: Array) -> Flags:
-    return np.asarray(BottleSurface(*astuple(shape)).level(points) < 0.0)
+    return np.asarray(shape.surface().level(points) < 0.0)
 
 
 @inside.register

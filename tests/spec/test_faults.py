@@ -11,8 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.spec import Spec, load_spec_text, parse_document, validate_document
-from graspdsl.spec.wording import Data
+from graspdsl.places.document import parse_document
+from graspdsl.places.validation import validate_document
+from graspdsl.places.wording import Data
+from graspdsl.spec import Spec, load_spec_text
 
 from .conftest import GOOD
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,9 +10,17 @@ import yaml
 from pydantic import Field
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.spec import Spec, json_schema, load_spec, load_spec_text, parse_document, validate_document
+from graspdsl.objects.box import Box
+from graspdsl.objects.cylinder import Cylinder
+from graspdsl.objects.sphere import Sphere
+from graspdsl.objects.superquadric import Superquadric
+from graspdsl.places.document import parse_document
+from graspdsl.places.fields import Metres, Model
+from graspdsl.places.validation import validate_document
+from graspdsl.spec import Spec, json_schema, load_spec_text, read_spec
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.fields import Metres, Model
+from graspdsl.spec.program import Control
+from graspdsl.spec.trials import Trials
 
 
 def place(diagnostic: Diagnostic) -> str:
@@ -21,11 +28,9 @@ def place(diagnostic: Diagnostic) -> str:
     return f"{diagnostic.span.line}:{diagnostic.span.column}" if diagnostic.span else "-"
 
 
-def test_the_good_spec(tmp_path: Path, good: str) -> None:
-    path = tmp_path / "towel.yaml"
-    path.write_text(good, encoding="utf-8")
-    loaded = load_spec(path)
-    assert (loaded.name, loaded.text) == ("towel.yaml", good)
+def test_the_good_spec(good: str) -> None:
+    loaded = load_spec_text(good, "towel.yaml")
+    assert (loaded.document.name, loaded.document.text) == ("towel.yaml", good)
     spec = loaded.spec
     assert spec.scene.object == "towel-roll"
     assert spec.resources["Γ"] == "{γ1, <γ2,γ3>}"
@@ -75,13 +80,10 @@ def test_distributions(good: str, written: str, read: object) -> None:
 @pytest.mark.parametrize(
     ("written", "shape"),
     [
-        ("{sphere: {diameter: 0.1}, name: ball}", ("sphere", {"diameter": 0.1})),
-        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", ("box", {"size": (0.1, 0.1, 0.2)})),
-        ("{cylinder: {diameter: 0.1, height: 0.2}}", ("cylinder", {"diameter": 0.1, "height": 0.2, "edge": 0.005})),
-        (
-            "{superquadric: {size: [0.1, 0.1, 0.2], exponent: 4}}",
-            ("superquadric", {"size": (0.1, 0.1, 0.2), "exponent": 4}),
-        ),
+        ("{sphere: {diameter: 0.1}, name: ball}", Sphere(diameter=0.1)),
+        ("{box: {size: [0.1, 0.1, 0.2]}, mass: 1}", Box(size=(0.1, 0.1, 0.2))),
+        ("{cylinder: {diameter: 0.1, height: 0.2}}", Cylinder(diameter=0.1, height=0.2, edge=0.005)),
+        ("{superquadric: {size: [0.1, 0.1, 0.2], exponent: 4}}", Superquadric(size=(0.1, 0.1, 0.2), exponent=4)),
         ("{like: towel-roll, held: true}", None),
     ],
 )
@@ -120,3 +122,41 @@ def test_the_schema_describes_every_field() -> None:
     assert "is" in schema["$defs"]["ControllerDefinition"]["properties"]
     assert all(_described(part) for part in [schema, *schema["$defs"].values()])
     assert schema["additionalProperties"] is False
+
+
+@pytest.mark.parametrize("override", ["scene.friction=x", "scene.world=7", "scene.object=7", "scene=7", "trials=7"])
+def test_what_has_no_faults_is_read_beside_what_has(good: str, override: str) -> None:
+    sound, reading = read_spec(good, "test.yaml"), read_spec(good, "test.yaml", [override])
+    section = override.split("=")[0].split(".")[0]
+    assert reading.faults
+    assert not reading.is_sound(section)
+    for name in Spec.model_fields.keys() - {section}:
+        assert reading.is_sound(name)
+        assert getattr(reading.spec, name) == getattr(sound.spec, name)
+
+
+def test_a_faulty_section_keeps_what_can_be_read_of_it(good: str) -> None:
+    faulty = (
+        "scene.friction=x",
+        "scene.object={box: {size: [1]}, held: true}",
+        "resources.γ1=7",
+        "parameters.κ_f=[1, x]",
+        "program.0.run=7",
+        "program.1.until.hold=x",
+        "evaluate=[lift, 7, shake]",
+    )
+    spec = read_spec(good, "test.yaml", faulty).spec
+    assert (spec.scene.world, spec.scene.hand, spec.scene.friction) == ("bullet", "barrett", None)
+    assert not isinstance(spec.scene.object, str)
+    assert (spec.scene.object.held, spec.scene.object.fixed) == (True, False)
+    assert (spec.resources["γ1"], spec.resources["γ2"]) == (None, "finger-1")
+    assert (spec.parameters["κ_f"], spec.parameters["x_ref"]) == (None, (0.1, 0.0, 0.001))
+    assert [phase.run for phase in spec.program] == [None, "π_s|Γ Γ (π_gx|Γ Γ)"]
+    assert (spec.program[1].until.hold, spec.program[1].until.force_residual) == (None, 0.1)
+    assert spec.evaluate == ("lift", None, "shake")
+
+
+def test_a_spec_of_nothing_reads_as_its_defaults() -> None:
+    spec = read_spec("about: 7", "test.yaml").spec
+    assert (spec.name, spec.scene.world, spec.scene.object, spec.scene.hand) == (None, None, None, "barrett")
+    assert (dict(spec.resources), spec.program, spec.trials, spec.control) == ({}, (), Trials(), Control())

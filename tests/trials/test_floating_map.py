@@ -12,8 +12,7 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.surfaces import Ellipsoid
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.trials.cells import Cells
 from graspdsl.trials.floating_map import floating_cells, starts, towards
 from graspdsl.trials.grids import WantedAxis
@@ -37,7 +36,7 @@ def axes(columns: int, rows: int) -> list[WantedAxis]:
 
 
 @dataclass(frozen=True)
-class Placed(Ellipsoid):
+class Placed(SmoothEllipsoid):
     """An ellipsoid on which contacts are not drawn but placed."""
 
     points: Array | None = None
@@ -53,8 +52,8 @@ class Placed(Ellipsoid):
 def by_trials(made: Program, found: Cells, chosen: range) -> None:
     """Check cells against the loop over single trials from the same points: outcome, ticks, orientation."""
     body = made.body
-    names, surface = made.robot.contacts, surface_of(body.shape)
-    assert isinstance(surface, Ellipsoid)
+    names, surface = made.robot.contacts, body.shape.surface()
+    assert isinstance(surface, SmoothEllipsoid)
     points = starts(surface, found.x, found.y, names.index(found.fixed["contact"]), len(names), SEED)
     for cell in chosen:
         world = FloatingWorld(names, Placed(surface.semi_axes, points[cell]), GRAVITY * body.mass)
@@ -114,7 +113,7 @@ def test_all_but_one_contact_start_where_trial_0_places_them() -> None:
     body = made.body
     found = floating_cells(made, axes(2, 2), "point-2", SEED)
     names = made.robot.contacts
-    points = starts(surface_of(body.shape), found.x, found.y, names.index("point-2"), len(names), SEED)
+    points = starts(body.shape.surface(), found.x, found.y, names.index("point-2"), len(names), SEED)
     begun = TrialLoop(made, world_of(made)).run(0, SEED).trajectory["points"][0]
     others = [index for index, name in enumerate(names) if name != "point-2"]
     np.testing.assert_allclose(points[:, others], np.broadcast_to(begun[others], (4, len(others), 3)), atol=1e-7)
@@ -135,7 +134,7 @@ def test_a_contact_starts_on_the_surface_in_its_direction(shape: str) -> None:
         "shoulder: 0.015, edge: 0.008",
     }[shape]
     made = program("compare/cstar.yaml", f"scene.object={{{shape}: {{{fields}}}}}")
-    surface = surface_of(made.body.shape)
+    surface = made.body.shape.surface()
     random = np.random.default_rng(1).normal(size=(200, 3))
     directions = np.vstack([random / np.linalg.norm(random, axis=1)[:, None], np.eye(3), -np.eye(3)])
     points = towards(surface, directions)

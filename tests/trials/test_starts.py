@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graspdsl.hands.descriptions import hands
-from graspdsl.objects.facets import shaded
+from graspdsl.objects.shape import shaded
 from graspdsl.objects.shapes import catalogue
 from graspdsl.spec.trials import Start as StartSpec
 from graspdsl.trials.starts import PLACEMENTS_EACH, draws, generator

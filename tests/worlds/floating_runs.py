@@ -10,9 +10,10 @@ from compiler.specs import floating
 from graspdsl.arrays import Array
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import program_of
-from graspdsl.objects.floating_surface import surface_of
+from graspdsl.objects.cylinder import RoundedCylinder
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
-from graspdsl.objects.surfaces import Ellipsoid, RoundedCylinder, Sphere
+from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.trials.batch import BatchResult, run_batch
 from graspdsl.worlds.floating import sensed, slid
@@ -23,11 +24,11 @@ STARTS = 300
 SEED = 0
 LOW = {"force_bound": 0.1, "moment_bound": 0.1 * RADIUS}  # ε_fr and ε_mr / r² below 1e-2
 
-SPHERE = Sphere(2 * RADIUS)
-ELLIPSOID_A = Ellipsoid((RADIUS, 1.2 * RADIUS, 1.5 * RADIUS))
-ELLIPSOID_B = Ellipsoid((RADIUS, 1.5 * RADIUS, 2.2 * RADIUS))
+SPHERE = SmoothSphere(diameter=2 * RADIUS)
+ELLIPSOID_A = SmoothEllipsoid((RADIUS, 1.2 * RADIUS, 1.5 * RADIUS))
+ELLIPSOID_B = SmoothEllipsoid((RADIUS, 1.5 * RADIUS, 2.2 * RADIUS))
 CYLINDER = RoundedCylinder(2 * RADIUS, 4 * RADIUS, 0.1 * RADIUS)
-BOTTLE = surface_of(catalogue()["bottle"].shape)
+BOTTLE = catalogue()["bottle"].shape.surface()
 
 
 def contacts(count: int) -> str:

@@ -9,9 +9,8 @@ import pytest
 from compiler.specs import floating
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.objects.floating_surface import surface_of
-from graspdsl.objects.shapes import Box
-from graspdsl.spec.scene import SHAPES
+from graspdsl.objects.box import Box
+from graspdsl.objects.shapes import SHAPES
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
@@ -71,7 +70,7 @@ def same(one: Observation, other: Observation) -> bool:
 def test_every_shape_is_here() -> None:
     assert {*OBJECTS} >= {*SHAPES} - {"box"}
     with pytest.raises(ValueError, match="sharp edges"):
-        surface_of(Box((0.1, 0.1, 0.1)))
+        Box(size=(0.1, 0.1, 0.1)).surface()
 
 
 @EACH_OBJECT
@@ -87,7 +86,7 @@ def test_same_start_and_commands_give_the_same_observations(thing: str) -> None:
 @EACH_OBJECT
 def test_contacts_stay_on_the_surface_and_sense_it(thing: str) -> None:
     made = program(thing)
-    surface = surface_of(made.body.shape)
+    surface = made.body.shape.surface()
     for step, seen in enumerate(history(world(thing), 3, commands(50, 0.03))):
         assert np.abs(surface.level(seen.points)).max() < 1e-12
         np.testing.assert_allclose(np.linalg.norm(seen.normals, axis=-1), 1.0, atol=1e-12)

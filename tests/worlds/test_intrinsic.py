@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Body, Box, Sphere
+from graspdsl.objects.box import Box
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.sphere import Sphere
 from graspdsl.spec.sensing import LoadCell, Touch
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.touch.intrinsic import sphere_contact
@@ -102,7 +104,11 @@ def test_load_cells_agree_with_the_truth_while_sliding() -> None:
 
 @pytest.mark.parametrize(
     ("body", "height"),
-    [(ROLL, 0.10), (Body("box", Box((0.1, 0.1, 0.2)), 0.5), 0.10), (Body("ball", Sphere(0.12), 0.5), 0.06)],
+    [
+        (ROLL, 0.10),
+        (Body("box", Box(size=(0.1, 0.1, 0.2)), 0.5), 0.10),
+        (Body("ball", Sphere(diameter=0.12), 0.5), 0.06),
+    ],
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_forces_on_the_object_balance_at_rest(body: Body, height: float) -> None:

@@ -11,9 +11,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.objects.facets import AROUND, shaded
-from graspdsl.objects.shapes import Body, Box, Ellipsoid, Shape, Superquadric, catalogue
-from graspdsl.objects.solid import solid_of
+from graspdsl.objects.box import Box
+from graspdsl.objects.ellipsoid import Ellipsoid
+from graspdsl.objects.facets import AROUND
+from graspdsl.objects.shape import Shape, shaded
+from graspdsl.objects.shapes import Body, catalogue
+from graspdsl.objects.superquadric import Superquadric
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
@@ -28,8 +31,8 @@ FRICTION, GRAVITY = 0.5, 9.81
 TIP = 0.0115  # m, the radius of a fingertip
 BODIES = {
     **catalogue(),
-    "pillow": Body("pillow", Superquadric((0.12, 0.09, 0.10), 3.0), 0.4),
-    "brick": Body("brick", Superquadric((0.09, 0.06, 0.14), 8.0), 0.4),
+    "pillow": Body("pillow", Superquadric(size=(0.12, 0.09, 0.10), exponent=3.0), 0.4),
+    "brick": Body("brick", Superquadric(size=(0.09, 0.06, 0.14), exponent=8.0), 0.4),
 }
 EACH_BODY = pytest.mark.parametrize("name", BODIES)
 
@@ -87,7 +90,7 @@ def test_it_stands_where_it_is_put(name: str) -> None:
     with staged(body) as stage:
         stage.scene.place(resting_pose(body, FRICTION, GRAVITY))
         position, rotation = stage.scene.object_pose()
-        origin = position - rotation @ solid_of(body.shape).centre
+        origin = position - rotation @ body.shape.solid.centre
         np.testing.assert_allclose(origin, [0.0, 0.0, body.shape.extent[2] / 2], atol=1e-4)
 
 
@@ -97,7 +100,7 @@ def test_a_torque_turns_it_as_its_inertia_says(name: str) -> None:
     torque = np.array([0.01, -0.02, 0.015])
     with staged(body, gravity=0.0) as stage:
         rate = stage.pushed(torque)
-    expected = np.linalg.solve(solid_of(body.shape).inertia(body.mass), torque * TIME_STEP)
+    expected = np.linalg.solve(body.shape.solid.inertia(body.mass), torque * TIME_STEP)
     # The engine damps turning by a few hundredths a second.
     np.testing.assert_allclose(rate, expected, atol=1e-3 * np.linalg.norm(expected))
 
@@ -173,7 +176,7 @@ def test_rays_meet_the_true_extent(name: str) -> None:
 
 
 def test_lean_is_of_what_was_up_whichever_axis_is_the_longest() -> None:
-    body = Body("plank", Box((0.2, 0.06, 0.05)), 0.3)
+    body = Body("plank", Box(size=(0.2, 0.06, 0.05)), 0.3)
     with staged(body, gravity=0.0) as stage:
         engine, client, scene = stage
         assert body.major_axis == (1.0, 0.0, 0.0)
@@ -189,8 +192,8 @@ def test_lean_is_of_what_was_up_whichever_axis_is_the_longest() -> None:
 @pytest.mark.parametrize(
     "shape",
     [
-        Ellipsoid((0.10, 0.12, 0.16)),  # on its end, where it can balance
-        Superquadric((0.06, 0.06, 0.20), 2.0),
+        Ellipsoid(size=(0.10, 0.12, 0.16)),  # on its end, where it can balance
+        Superquadric(size=(0.06, 0.06, 0.20), exponent=2.0),
     ],
 )
 def test_what_balances_on_a_tip_is_said_to_fall(shape: Ellipsoid | Superquadric) -> None:

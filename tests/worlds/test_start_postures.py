@@ -14,7 +14,8 @@ import pytest
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, robot
-from graspdsl.objects.shapes import Body, Box, catalogue
+from graspdsl.objects.box import Box
+from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.worlds.bullet.hand import Tip
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.start_postures import CLEARANCE, CLOSING_STEP, PRESHAPE, StartPostures
@@ -59,7 +60,7 @@ def found(postures: StartPostures, start: Start) -> Array | None:
         (ROBOT, ROLL),
         (TRIO, ROLL),
         (ROBOT, catalogue()["detergent-bottle"]),
-        (ROBOT, Body("", Box((0.08, 0.1, 0.2)), 0.2)),
+        (ROBOT, Body("", Box(size=(0.08, 0.1, 0.2)), 0.2)),
     ],
     ids=["barrett-roll", "trio-roll", "barrett-bottle", "barrett-box"],
 )

@@ -11,11 +11,11 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.program import program_of
-from graspdsl.compiler.sensing_check import check_sensing
+from graspdsl.compiler.scene_check import check_sensing
 from graspdsl.hands.descriptions import HERE, Contact, Robot
 from graspdsl.hands.fingertips import EllipsoidTip
-from graspdsl.objects.surfaces import Ellipsoid
-from graspdsl.spec.document import Document
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.places.document import Document
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.sensing import Exact, LoadCell, Proximity, Skin, TactileSensor, Touch
 from graspdsl.trials.setup import settings_of
@@ -201,7 +201,7 @@ def test_a_dent_tells_the_force() -> None:
 
 def egg_tips(folder: Path, semi_axes: tuple[float, float, float]) -> Robot:
     """The Barrett hand with ellipsoids of these semi-axes [m] for fingertips."""
-    mesh = Ellipsoid(semi_axes).mesh(40)
+    mesh = SmoothEllipsoid(semi_axes).mesh(40)
     lines = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in mesh.vertices]
     lines += ["f " + " ".join(str(i + 1) for i in face) for face in mesh.faces]
     (folder / "egg.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -11,7 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.hands.descriptions import MOUNTING, Robot
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
-from graspdsl.objects.surfaces import Ellipsoid
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.worlds.touch.surfaces import frame_about
 
 MARGIN = 0.001  # m by which the engine enlarges every mesh of a URDF
@@ -67,7 +67,7 @@ def _give_shape(link: ET.Element, shape: FingertipShape, stem: Path) -> None:
 
 def _mesh(shape: EllipsoidTip, margin: float) -> str:
     """An OBJ file of an ellipsoid, which the engine does not know, made smaller all round by a margin [m]."""
-    surface = Ellipsoid(shape.semi_axes)
+    surface = SmoothEllipsoid(shape.semi_axes)
     mesh = surface.mesh(HALF_TURN)
     vertices: Array = mesh.vertices - margin * surface.normals(mesh.vertices)
     lines = [f"v {_text(vertex)}" for vertex in vertices.tolist()]

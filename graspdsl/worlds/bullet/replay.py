@@ -12,7 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shading import Shaded
 from graspdsl.objects.shapes import Body
-from graspdsl.objects.surfaces import Surface
+from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.pictures import camera_on_grasp, taken

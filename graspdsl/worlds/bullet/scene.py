@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.objects.shapes import Body, Sphere
+from graspdsl.objects.shapes import Body
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body, speck
 from graspdsl.worlds.camera import box_corners
@@ -35,7 +35,7 @@ class Scene:
         self._engine, self._client = engine, client
         self.table = self._put_table(-OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0, seen)
         self.mass = body.mass
-        self._rolls = isinstance(body.shape, Sphere)
+        self._rolls = body.shape.rolls
         self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD, seen=seen)
         self.object = self._body.index
         self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from graspdsl.objects.shapes import Body
-from graspdsl.objects.standing import AT_REST, STANDING
+from graspdsl.objects.standing import STANDING
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.scene import Pose, Scene
 from graspdsl.worlds.kind import Anchor
@@ -40,7 +40,7 @@ def resting_pose(body: Body, table_friction: float, gravity: float) -> Pose:
         engine.setTimeStep(TIME_STEP, client)
         engine.setGravity(0, 0, -gravity, client)
         trial = _Settling(engine, client, Scene(engine, client, body, table_friction, Anchor.NONE))
-        if not isinstance(body.shape, AT_REST):
+        if not body.shape.rests:
             trial.settle()
         return trial.pose
     finally:

@@ -12,10 +12,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.objects.facets import Hull, convex_parts, shaded
+from graspdsl.objects.facets import Hull
 from graspdsl.objects.shading import Shaded
-from graspdsl.objects.shapes import Body, Box, Cylinder, Sphere
-from graspdsl.objects.solid import solid_of
+from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shapes import Body
 from graspdsl.worlds.bullet.hand import rotation_matrix
 
 PAPER = (0.93, 0.91, 0.86, 1.0)
@@ -52,7 +52,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -
 
     seen: whether it has looks; the engine keeps those of every world for good, so nobody's are not made.
     """
-    solid = solid_of(body.shape)
+    solid = body.shape.solid
     moments, axes = solid.principal(body.mass)
     back = (axes.T, -axes.T @ solid.centre)
     primitive = _primitive(engine, client, body)
@@ -80,13 +80,13 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -
 def _primitive(engine: Any, client: int, body: Body) -> int | None:
     """What the engine has a shape of its own for; the centre of mass is its origin, and its axes are principal."""
     form: dict[str, float | list[float]]
-    match body.shape:
-        case Cylinder(diameter, height):
-            kind, form = engine.GEOM_CYLINDER, {"radius": diameter / 2, "height": height}
-        case Box(size):
-            kind, form = engine.GEOM_BOX, {"halfExtents": [s / 2 for s in size]}
-        case Sphere(diameter):
-            kind, form = engine.GEOM_SPHERE, {"radius": diameter / 2}
+    match body.shape.primitive:
+        case "cylinder", (radius, top):
+            kind, form = engine.GEOM_CYLINDER, {"radius": radius, "height": 2 * top}
+        case "box", half:
+            kind, form = engine.GEOM_BOX, {"halfExtents": list(half)}
+        case "sphere", (radius,):
+            kind, form = engine.GEOM_SPHERE, {"radius": radius}
         case _:
             return None
     collision: int = engine.createCollisionShape(kind, **form, physicsClientId=client)

@@ -11,7 +11,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
-from graspdsl.objects.surfaces import Ellipsoid
+from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.worlds.touch.intrinsic import capsule_contact, ellipsoid_contact, sphere_contact
 
 MERIDIAN_SAMPLES = 2001
@@ -78,14 +78,14 @@ class EllipsoidSurface(FingertipSurface):
 
     def __init__(self, semi_axes: tuple[float, float, float], axes: Array) -> None:
         self.semi_axes, self._axes = np.array(semi_axes), axes
-        self._surface = Ellipsoid(semi_axes)
+        self._surface = SmoothEllipsoid(semi_axes)
 
     def normal(self, point: Array) -> Array:
         """The direction of the gradient, A⁻² c."""
         return self._axes @ self._surface.normals(self._axes.T @ point)
 
     def nearest(self, point: Array) -> Array:
-        """See :meth:`graspdsl.objects.surfaces.Ellipsoid.nearest`."""
+        """See :meth:`graspdsl.objects.ellipsoid.SmoothEllipsoid.nearest`."""
         return self._axes @ self._surface.nearest(self._axes.T @ point)
 
     def contact(self, force: Array, moment: Array) -> Array:

@@ -2,22 +2,66 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from graspdsl.arrays import Array, Flags
+from graspdsl.objects.facets import Hull, round_hull
+from graspdsl.objects.mass import Solid, dirichlet, symmetric
+from graspdsl.objects.shape import DescribedShape, Extent, Sizes
 from graspdsl.objects.surfaces.mesh import unit_sphere
 from graspdsl.objects.surfaces.sampling import accepted
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.objects.surfaces.vectors import axis_of_least, directions, dot, largest, lengths
+from graspdsl.places.fields import Number
 
 EPSILON = float(np.finfo(np.float64).eps)
 MOST_PASSES = 100
 
 
+class Superquadric(DescribedShape):
+    """|x/a|^p + |y/b|^p + |z/c|^p = 1: between a ball and a box."""
+
+    name: ClassVar = "superquadric"
+    about: ClassVar = "a superquadric"
+    upright: ClassVar = False
+
+    size: Sizes = Field(description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.16]])
+    exponent: Number = Field(ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box")
+
+    @property
+    def extent(self) -> Extent:
+        """Full size along x, y, z [m]."""
+        return self.size
+
+    @property
+    def solid(self) -> Solid:
+        """By Dirichlet's integral."""
+        volume = math.prod(self.size) * dirichlet(self.exponent, 1, 1, 1)
+        share = dirichlet(self.exponent, 3, 1, 1) / dirichlet(self.exponent, 1, 1, 1) / 4
+        return symmetric(volume, self.size, share)
+
+    def support(self, direction: Array) -> float:
+        """The dual norm, 1/p + 1/q = 1."""
+        dual = self.exponent / (self.exponent - 1.0)
+        return float(np.linalg.norm(direction * np.array(self.size) / 2, ord=dual))
+
+    def surface(self) -> SmoothSuperquadric:
+        """All of it."""
+        x, y, z = self.size
+        return SmoothSuperquadric((x / 2, y / 2, z / 2), self.exponent)
+
+    def hulls(self) -> tuple[Hull, ...]:
+        """One, with a margin that rounds it."""
+        return (round_hull(self.size, self.exponent, self.surface()),)
+
+
 @dataclass(frozen=True)
-class Superquadric(Surface):
+class SmoothSuperquadric(Surface):
     """|x/a|^p + |y/b|^p + |z/c|^p = 1 with semi axes (a, b, c) in m, half of the full size, exponent p from 2 to 10.
 
     In the formulas below u = (x/a, y/b, z/c), and |u|_p = (Σ |u_i|^p)^(1/p) is the gauge of a point.

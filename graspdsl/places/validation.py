@@ -4,20 +4,80 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+import types
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order, known_names_hint, listed, nearest
-from graspdsl.spec.composing import kind_of
-from graspdsl.spec.constructing import Path
-from graspdsl.spec.document import Document
-from graspdsl.spec.fields import FORM
-from graspdsl.spec.model_paths import Slot, slot
-from graspdsl.spec.wording import Data, as_yaml, quoted, shortened, shown
+from graspdsl.places.composing import kind_of
+from graspdsl.places.document import Document, Path
+from graspdsl.places.fields import FORM, Model, Unit
+from graspdsl.places.wording import Data, as_yaml, quoted, shortened, shown
 from graspdsl.units import number_meant
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """What may stand at a path: the models, and for a number its unit."""
+
+    models: tuple[type[BaseModel], ...]
+    unit: str | None
+
+    def fields(self) -> dict[str, FieldInfo]:
+        """The fields that may stand here, by the keys they have in a file."""
+        return {field.alias or name: field for model in self.models for name, field in model.model_fields.items()}
+
+    def meant_by(self, key: str) -> str | None:
+        """The hint for a key that none of the models has, where one of them knows what is meant by it."""
+        hints = (model.meant_by.get(key) for model in self.models if issubclass(model, Model))
+        return next((hint for hint in hints if hint is not None), None)
+
+
+def slot(model: type[BaseModel], path: Path) -> Slot:
+    """What ``model`` says about ``path``; nothing for a path it does not know."""
+    here: list[Any] = [model]
+    for step in path:
+        here = [inner for annotation in here for inner in _inside(annotation, step)]
+    parts = [part for annotation in here for part in _parts(annotation)]
+    models = tuple(part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
+    unit = next((part.symbol for part in parts if isinstance(part, Unit)), None)
+    return Slot(models, unit)
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    """The alternatives of an annotation, and what is attached to them."""
+    origin = get_origin(annotation)
+    if origin is Annotated or origin in (Union, types.UnionType):
+        for part in get_args(annotation):
+            yield from _parts(part)
+    else:
+        yield annotation
+
+
+def alternatives(annotation: Any) -> list[Any]:
+    """The types that a value of an annotation may have."""
+    return [part for part in _parts(annotation) if isinstance(part, type) or get_origin(part) is not None]
+
+
+def _inside(annotation: Any, step: str | int) -> Iterator[Any]:
+    """The annotations of what stands under ``step`` in a value."""
+    for part in _parts(annotation):
+        origin, arguments = get_origin(part), get_args(part)
+        if isinstance(part, type) and issubclass(part, BaseModel):
+            for name, field in part.model_fields.items():
+                if (field.alias or name) == step:
+                    yield field.annotation
+                    yield from field.metadata
+        elif origin is dict and isinstance(step, str):
+            yield arguments[1]
+        elif origin is tuple and isinstance(step, int):
+            yield arguments[0]
+
 
 M = TypeVar("M", bound=BaseModel)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError, Span
-from graspdsl.spec import Document, parse_document
+from graspdsl.places.document import Document, parse_document
 
 
 def faults(text: str) -> list[tuple[str, str, str]]:

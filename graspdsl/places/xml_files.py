@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from graspdsl.spec.named_files import refusal
-from graspdsl.spec.wording import shortened
+from graspdsl.places.files import refusal
+from graspdsl.places.wording import shortened
 
 LARGEST = 1024 * 1024  # bytes
 MOST_ELEMENTS = 50_000

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from yaml.error import MarkedYAMLError
 
 from graspdsl.diagnostics import Diagnostic
-from graspdsl.spec.positions import Lines
-from graspdsl.spec.wording import quoted, shortened
+from graspdsl.places.positions import Lines
+from graspdsl.places.wording import quoted, shortened
 
 # What came before a value on its line: list dashes and a key with its colon.
 _LABEL = re.compile(r"\s*(?:- +)*(?:[^\s:#][^:#]*: +)?")

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from graspdsl.arrays import Array
+from graspdsl.objects.facets import Hull, round_hull
+from graspdsl.objects.mass import Solid, symmetric
+from graspdsl.objects.shape import DescribedShape, Extent, Sizes
 from graspdsl.objects.surfaces.mesh import unit_sphere
 from graspdsl.objects.surfaces.sampling import accepted
 from graspdsl.objects.surfaces.surface import Surface
@@ -17,8 +23,41 @@ MOST_PASSES = 100
 OFF_THE_PLANE = 1e-100
 
 
+class Ellipsoid(DescribedShape):
+    """An ellipsoid with axes along those of the world."""
+
+    name: ClassVar = "ellipsoid"
+    about: ClassVar = "an ellipsoid"
+    upright: ClassVar = False
+
+    size: Sizes = Field(description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.15]])
+
+    @property
+    def extent(self) -> Extent:
+        """Full size along x, y, z [m]."""
+        return self.size
+
+    @property
+    def solid(self) -> Solid:
+        """V = π x y z / 6, ∫ x² dV = V x² / 20."""
+        return symmetric(math.pi / 6 * math.prod(self.size), self.size, 1 / 20)
+
+    def support(self, direction: Array) -> float:
+        """√(Σ (d_i x_i / 2)²)."""
+        return float(np.linalg.norm(direction * np.array(self.size) / 2))
+
+    def surface(self) -> SmoothEllipsoid:
+        """All of it."""
+        x, y, z = self.size
+        return SmoothEllipsoid((x / 2, y / 2, z / 2))
+
+    def hulls(self) -> tuple[Hull, ...]:
+        """One, with a margin that rounds it."""
+        return (round_hull(self.size, 2.0),)
+
+
 @dataclass(frozen=True)
-class Ellipsoid(Surface):
+class SmoothEllipsoid(Surface):
     """(x/a)² + (y/b)² + (z/c)² = 1 with semi axes (a, b, c) in m: half of the full size."""
 
     semi_axes: tuple[float, float, float]

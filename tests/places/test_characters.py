@@ -5,12 +5,11 @@ from __future__ import annotations
 import time
 
 import pytest
+from spec.conftest import GOOD
+from spec.test_faults import complaints
 
 from graspdsl.diagnostics import DiagnosticError, Span
-from graspdsl.spec.document import parse_document, parse_with_faults
-
-from .conftest import GOOD
-from .test_faults import complaints
+from graspdsl.places.document import parse_document, parse_with_faults
 
 BLANKS = {
     "\xa0": "U+00A0 (no-break space)",

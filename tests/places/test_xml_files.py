@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.spec.xml_files import DEEPEST, LARGEST, MOST_ELEMENTS, place_in, xml_tree
+from graspdsl.places.xml_files import DEEPEST, LARGEST, MOST_ELEMENTS, place_in, xml_tree
 
 BOMB = "<!DOCTYPE r [<!ENTITY a 'aaaaaaaaaa'>" + "".join(
     f"<!ENTITY {chr(98 + i)} '{f'&{chr(97 + i)};' * 10}'>" for i in range(12)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graspdsl.diagnostics import DiagnosticError, SourceText
-from graspdsl.spec import Document, parse_document
+from graspdsl.places.document import Document, parse_document
 
 WORD = st.text(alphabet="πφστγΓκ_|(){}<>◁,1x\"'\\", min_size=1, max_size=8)
 WORDS = st.lists(WORD, min_size=1, max_size=6)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
-from graspdsl.spec.wording import shown
+from graspdsl.places.wording import shown
 
 FORM = "form:"  # how the tags of alternative forms begin; they are no part of a path in the file
 

@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import PurePosixPath
 
 from graspdsl.diagnostics import DiagnosticError, listed
-from graspdsl.spec.named_files import SpecFolder, refusal
-from graspdsl.spec.wording import shortened
+from graspdsl.places.files import SpecFolder, refusal
+from graspdsl.places.wording import shortened
 
 PACKAGE = "package://"
 MANIFEST = "package.xml"  # stands in the folder of a package

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.spec.mesh_places import MeshPlaces
-from graspdsl.spec.named_files import SpecFolder
+from graspdsl.places.files import SpecFolder
+from graspdsl.places.mesh_places import MeshPlaces
 
 MESH = "package://robotiq/meshes/a.stl"
 # The URDF, the files about it, and that which is meant.
