@@ -12,7 +12,8 @@ from graspdsl.basis.spaces import GradientSpace
 class WorldKind:
     """A kind of world: its tick rate [Hz], the gradient spaces it can carry out, sliding and probing.
 
-    ``floats``: its contacts have no hand, no load cells and no forces.
+    ``floats``: its contacts have no hand, no load cells and no forces. ``together``: how many trials it runs side by
+    side.
     """
 
     name: str
@@ -21,6 +22,7 @@ class WorldKind:
     sliding: frozenset[GradientSpace]
     probing: frozenset[GradientSpace]
     floats: bool = False
+    together: int = 1
 
     def spaces(self, displacement: str) -> frozenset[GradientSpace]:
         """The gradient spaces of a way to displace contacts, ``sliding`` or ``probing``."""
@@ -42,5 +44,6 @@ WORLDS: Mapping[str, WorldKind] = {
         sliding=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
         probing=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
         floats=True,
+        together=64,
     ),
 }

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
 from trials.whole import whole_rows
@@ -24,7 +24,7 @@ MANIFEST = Manifest("a-run", "spec.yaml", ("scene.friction=0.5", "about=γ"), 2*
 RECORD = TrialRecord(
     number=2,
     identity="0123456789abcdef",
-    outcome=Outcome.PALM_COLLISION,
+    outcome=OUTCOMES["palm-collision"],
     detail="the palm touched γ",
     start={"roll": 0.1 + 0.2, "height": 1e-300},
     rejected=(RejectedStart({"roll": 1 / 3, "height": 5e-324}, "a finger meets γ"), RejectedStart({}, "")),
