@@ -2,31 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 # Hatchings as matplotlib writes them.
 DOTS, LEVEL, STROKES = "......", "------", "//////"
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """A class of outcomes. Every trial bears exactly one, and of each there is one object.
+class Outcome(str):
+    """A class of outcomes by its name. Every trial bears exactly one, and of each there is one object.
 
     ``means``: what it says of a trial, the times and bounds being those of the spec's monitors. A map shows it by grey
     and hatching, which no two outcomes share; what has converged is in colour.
     """
 
-    value: str
     means: str
-    grey: str = "#8f98a2"
-    hatching: str = ""
+    grey: str
+    hatching: str
 
     CONVERGED: ClassVar[Outcome]
     TIMEOUT: ClassVar[Outcome]
     TOPPLED: ClassVar[Outcome]
     INFEASIBLE_START: ClassVar[Outcome]
     CRASHED: ClassVar[Outcome]
+
+    def __new__(cls, value: str, means: str, grey: str = "#8f98a2", hatching: str = "") -> Outcome:
+        """An outcome of this name."""
+        made = super().__new__(cls, value)
+        made.means, made.grey, made.hatching = means, grey, hatching
+        return made
+
+    @property
+    def value(self) -> str:
+        """The name alone."""
+        return str(self)
 
     def __reduce__(self) -> tuple[object, ...]:
         """What comes from another process is the one object that there is here."""

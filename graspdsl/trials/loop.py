@@ -121,7 +121,7 @@ class TrialLoop:
         for place, ending, witness in course.run():
             trial, began = begun[place], time.perf_counter()
             ended = self._graded(ending, witness)
-            trial.wall_s += course.wall_s[place] + time.perf_counter() - began
+            trial.wall_s += float(course.wall_s[place]) + time.perf_counter() - began
             yield self._trial(trial, *ended, course.log, place)
 
     def _take_up(self, trial: _Begun, random: np.random.Generator, on_drawing: OnDrawing | None) -> Start:

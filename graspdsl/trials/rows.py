@@ -58,7 +58,7 @@ class _Rejected(_Part):
     rejected: tuple[RejectedStart, ...]
 
 
-_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "quality": _Grades}
+_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "outcome": str, "quality": _Grades}
 _FIELDS: dict[str, Any] = {name: (kind, ...) for name, kind in _KINDS.items()}
 _Values = create_model("_Values", __base__=_Part, **_FIELDS)
 
