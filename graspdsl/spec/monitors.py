@@ -6,7 +6,7 @@ They watch the truth, as the chapter's human monitor did.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from graspdsl.spec.watching import (
     AT_ONCE,
     OFF,
     Angle,
+    Beyond,
     Distance,
     Lasting,
     Monitor,
@@ -26,75 +27,60 @@ from graspdsl.spec.watching import (
     SceneFacts,
     Setting,
     Sight,
+    Touch,
     When,
     a_hand,
     a_loose_object,
     a_table,
     an_upright_object,
-    each,
     loose_contacts,
-    named,
 )
 
 AT_LIMIT = 1e-3  # rad or m
 
 
-class PalmMonitor(Lasting):
+class PalmMonitor(Touch):
     """The palm on the object."""
 
-    key = "palm"
+    key, touched = "palm", "object"
     description = "the palm touches the object, for this time (s): palm-collision"
     default = AT_ONCE
     outcome = Outcome("palm-collision", "the palm touched the object", "#5a636d")
     needs = (a_hand,)
     of_a_free_object = True
 
-    def happens(self, sight: Sight) -> Flags:
-        """The palm touches, (M, 1)."""
-        return each(sight.links, lambda links: self.setting.palm in links)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """For how long."""
-        del sight, place
-        return "the palm touched the object" + self.lasted
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """The palm."""
+        return ["the palm"] if self.setting.palm in sight.links[place] else []
 
 
-class LinkMonitor(Lasting):
+class LinkMonitor(Touch):
     """Other links on the object."""
 
-    key = "link"
+    key, touched = "link", "object"
     description = "any link but a fingertip and the palm touches the object, for this time (s): link-collision"
     default = 0.5
     outcome = Outcome("link-collision", "a link other than fingertips and palm touched the object", "#5a636d", LEVEL)
     needs = (a_hand,)
     of_a_free_object = True
 
-    def happens(self, sight: Sight) -> Flags:
-        """Some such link touches, (M, 1)."""
-        return each(sight.links, lambda links: any(link != self.setting.palm for link in links))
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """Which links, and for how long."""
-        others = [link for link in sight.links[place] if link != self.setting.palm]
-        return f"{', '.join(others)} touched the object" + self.lasted
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """All but fingertips and the palm."""
+        return [link for link in sight.links[place] if link != self.setting.palm]
 
 
-class TableMonitor(Lasting):
+class TableMonitor(Touch):
     """Links on the table."""
 
-    key = "table"
+    key, touched = "table", "table"
     description = "any link of hand or arm touches the table, for this time (s): table-contact"
     default = AT_ONCE
     outcome = Outcome("table-contact", "a link touched the table", "#8f98a2", LEVEL)
     needs = (a_hand, a_table)
 
-    def happens(self, sight: Sight) -> Flags:
-        """Some link touches, (M, 1)."""
-        return each(sight.table_links, bool)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """Which links, and for how long."""
-        return f"{', '.join(sight.table_links[place])} touched the table" + self.lasted
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """All that do."""
+        return sight.table_links[place]
 
 
 class LostMonitor(Lasting):
@@ -156,14 +142,17 @@ class JointLimitMonitor(Lasting):
     def detail(self, sight: Sight, place: int) -> str:
         """Which joints, and for how long."""
         del sight
-        return f"{named(self.setting.joints, self.lasting[place])} at a limit" + self.lasted
+        return f"{self._names(self.lasting[place])} at a limit" + self.lasted
 
     def out_of_time(self, sight: Sight, place: int) -> str | None:
         """Joints that are at a limit now."""
         joints, setting = sight.joints[place], self.setting
         at_limit = (joints > setting.upper - AT_LIMIT) | (joints < setting.lower + AT_LIMIT)
-        names = named(setting.joints, at_limit & self._moved(sight)[place])
+        names = self._names(at_limit & self._moved(sight)[place])
         return f"{names} at a limit" if names else None
+
+    def _names(self, chosen: Flags) -> str:
+        return ", ".join(name for name, is_chosen in zip(self.setting.joints, chosen, strict=True) if is_chosen)
 
     def _moved(self, sight: Sight) -> Flags:
         """Joints that are not where they began, (M, n)."""
@@ -171,7 +160,7 @@ class JointLimitMonitor(Lasting):
         return moved
 
 
-class LeanMonitor(Monitor):
+class LeanMonitor(Beyond):
     """An object that falls over."""
 
     key = "lean"
@@ -180,17 +169,10 @@ class LeanMonitor(Monitor):
     outcome = Outcome.TOPPLED
     needs = (a_loose_object, an_upright_object)
     of_a_free_object = True
-
-    def speaks(self, sight: Sight) -> Flags:
-        """It leans too far."""
-        return np.asarray(sight.lean > self.bound)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """How far."""
-        return f"the object leant {sight.lean[place]:.2f} rad"
+    quantity, said = "lean", "the object leant {:.2f} rad"
 
 
-class ShiftMonitor(Monitor):
+class ShiftMonitor(Beyond):
     """An object that is moved away."""
 
     key = "shift"
@@ -199,17 +181,10 @@ class ShiftMonitor(Monitor):
     outcome = Outcome("diverged", "the object was moved away", "#23292f")
     needs = (a_loose_object,)
     of_a_free_object = True
-
-    def speaks(self, sight: Sight) -> Flags:
-        """It was moved too far."""
-        return np.asarray(sight.shift > self.bound)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """How far."""
-        return f"the object was moved {1000 * sight.shift[place]:.0f} mm"
+    quantity, said, scale = "shift", "the object was moved {:.0f} mm", 1000.0
 
 
-class DraggedMonitor(Monitor):
+class DraggedMonitor(Beyond):
     """A grasp that has dragged the object along to where its residual is low."""
 
     key = "dragged"
@@ -219,14 +194,7 @@ class DraggedMonitor(Monitor):
     needs = (a_loose_object,)
     of_a_free_object = True
     when = When.END
-
-    def speaks(self, sight: Sight) -> Flags:
-        """It was moved too far."""
-        return np.asarray(sight.shift > self.bound)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """How far."""
-        return f"a low residual, but the object was dragged {1000 * sight.shift[place]:.0f} mm"
+    quantity, said, scale = "shift", "a low residual, but the object was dragged {:.0f} mm", 1000.0
 
     @classmethod
     def out_of_reach(cls, bound: Any, scene: SceneFacts) -> str | None:

@@ -245,11 +245,35 @@ class Lasting(Monitor):
         return f"no phase lasts for more than {scene.longest:g} s" if bound >= scene.longest else None
 
 
-def each(lists: Sequence[Sequence[str]], holds: Callable[[Sequence[str]], bool]) -> Flags:
-    """Whether it holds of each of M lists of names, (M, 1)."""
-    return np.array([[holds(names)] for names in lists], dtype=bool)
+class Touch(Lasting):
+    """Links that press on what they should not."""
+
+    touched: ClassVar[str]
+
+    @abstractmethod
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """Which of them do, in the trial at a place of the M."""
+
+    def happens(self, sight: Sight) -> Flags:
+        """Some do, (M, 1)."""
+        return np.array([[bool(self.who(sight, place))] for place in range(len(sight.rows))])
+
+    def detail(self, sight: Sight, place: int) -> str:
+        """Which, and for how long."""
+        return f"{', '.join(self.who(sight, place))} touched the {self.touched}" + self.lasted
 
 
-def named(names: Sequence[str], chosen: Flags) -> str:
-    """The names (n,) that are chosen, in words."""
-    return ", ".join(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
+class Beyond(Monitor):
+    """A quantity of the sight, by its name, that may grow to a bound; ``said`` tells it, times ``scale``."""
+
+    quantity: ClassVar[str]
+    said: ClassVar[str]
+    scale: ClassVar[float] = 1.0
+
+    def speaks(self, sight: Sight) -> Flags:
+        """It is larger."""
+        return np.asarray(getattr(sight, self.quantity) > self.bound)
+
+    def detail(self, sight: Sight, place: int) -> str:
+        """How large it is."""
+        return self.said.format(self.scale * getattr(sight, self.quantity)[place])

@@ -15,28 +15,18 @@ ROOT = Path(__file__).parents[2]
 SPEC = ROOT / "specs" / "compare" / "force_alone.yaml"
 CLASS = '''"""A monitor of moments."""
 
-import numpy as np
-
-from graspdsl.arrays import Flags
 from graspdsl.spec.outcomes import Outcome
-from graspdsl.spec.watching import Distance, Monitor, Sight
+from graspdsl.spec.watching import Beyond, Distance
 
 
-class TwistMonitor(Monitor):
-    """A grasp that twists the object."""
+class TwistMonitor(Beyond):
+    """Contacts that twist the object."""
 
     key = "twist"
     description = "the moment residual is larger than this (m): twisted"
     bound_type, default = Distance, 10.0
     outcome = Outcome("twisted", "the contacts twisted the object", "#dddddd", "xx")
-
-    def speaks(self, sight: Sight) -> Flags:
-        """The moment is large."""
-        return np.asarray(sight.moment_residual > self.bound)
-
-    def detail(self, sight: Sight, place: int) -> str:
-        """How large."""
-        return f"a moment of {1000 * sight.moment_residual[place]:.0f} mm"
+    quantity, said, scale = "moment_residual", "a moment of {:.0f} mm", 1000.0
 '''
 
 
