@@ -21,15 +21,20 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True, slots=True)
 class GraspMeasure:
-    """Grasps at one tick, each (...).
+    """Grasps at one tick: force_residual ‖ρ_f‖ (1) and moment_residual ‖ρ_m‖ [m] about the contacts' centroid, (...).
 
-    force_residual: ‖ρ_f‖ (1), moment_residual: ‖ρ_m‖ [m] about the contacts' centroid; orientation [rad], 0…π/2, of the
-    line through two contacts or of the normal of the plane of more, against the object's axis; NaN for one contact.
+    points: (..., m, 3) [m] of the m resources; axis: (..., 3) of the object.
     """
 
     force_residual: Array
     moment_residual: Array
-    orientation: Array
+    points: Array
+    axis: Array
+
+    @property
+    def orientation(self) -> Array:
+        """Of the resources against the object's axis (...) [rad]."""
+        return orientation(self.points, self.axis)
 
 
 def length(vectors: Array) -> Array:
@@ -54,7 +59,8 @@ def measure(observation: Observation, truth: Truth, grasp: ContactSet) -> GraspM
     return GraspMeasure(
         force_residual=length(weights @ normals),
         moment_residual=length(weights @ cross(points - centroid[..., None, :], normals)),
-        orientation=orientation(grasp.matrix @ points, truth.object_axis),
+        points=grasp.matrix @ points,
+        axis=truth.object_axis,
     )
 
 
