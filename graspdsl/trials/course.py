@@ -174,7 +174,7 @@ class Course:
                     command = Command(stage.pipeline.space, np.zeros((len(trials), *ticks.displacement.shape[1:])))
                 command.displacement[rows] = ticks.displacement
                 due_next.append(rows[moved])
-            due = np.concatenate(due_next)
+            due = np.sort(np.concatenate(due_next))
         return command, endings
 
     def _look(
@@ -330,7 +330,7 @@ def _apart(value: float, bound: float) -> str:
 
 
 def of_rows(whole: Batch, rows: Rows, count: int) -> Batch:
-    """What of an observation, a truth or ticks of so many trials is of these rows."""
+    """What of an observation, a truth or ticks of so many trials is of these rows, in order."""
     if len(rows) == count:
         return whole
     parts: dict[str, Any] = {field.name: getattr(whole, field.name) for field in dataclasses.fields(whole)}

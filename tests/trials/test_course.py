@@ -83,6 +83,14 @@ def test_trials_side_by_side_share_the_time_they_take() -> None:
     assert sum(shares) <= time.perf_counter() - began
 
 
+def test_trials_come_as_they_end() -> None:
+    """Not in the order of their numbers, so that what is finished can be kept while others still run."""
+    trials = list(trial_loop(PROGRAMS[0]).run_all(range(12), 7))
+    ticks = [len(trial.trajectory["time"]) for trial in trials]
+    assert ticks == sorted(ticks)
+    assert [trial.record.number for trial in trials] != list(range(12))
+
+
 def test_trials_that_take_long_are_fewer_side_by_side() -> None:
     """So that their trajectories fit into memory; a world of bodies runs one."""
     assert together(program("compare/cstar.yaml")) == 64
