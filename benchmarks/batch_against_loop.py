@@ -1,6 +1,6 @@
-"""What a batch of floating trials gains: steps a second in one batch against the same trials one by one.
+"""What it gains to run floating trials side by side: trial-steps a second of a run against the same trials one by one.
 
-Prints both rates and their ratio for several batch sizes.
+Prints both rates and their ratio for several numbers of trials.
 """
 
 from __future__ import annotations
@@ -8,37 +8,29 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-import numpy as np
-
 from graspdsl.compiler.program import program_of
-from graspdsl.trials.batch import run_batch
+from graspdsl.trials.setup import trial_loop
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
-STEPS = 20
 SINGLES = 20
 
 
 def main() -> None:
     """Measure and print."""
-    program = program_of(SPEC.read_text("utf-8"), SPEC.name)
-    surface = program.body.shape.surface()
-    (pipelines,) = program.pipelines()
-    contacts = len(program.robot.contacts)
+    loop = trial_loop(program_of(SPEC.read_text("utf-8"), SPEC.name))
 
-    def rate(starts: int, batches: int) -> float:
-        """Trial-steps a second."""
-        random = np.random.default_rng(0)
-        points = [surface.sample(starts * contacts, random).reshape(starts, contacts, 3) for _ in range(batches)]
+    def rate(trials: int, together: int) -> float:
+        """Trial-steps a second, records and trajectories included."""
+        loop.together = together
         began = time.perf_counter()
-        for here in points:
-            run_batch(pipelines, surface, here, force_bound=0.0, moment_bound=0.0, steps=STEPS, stop=False)
-        return starts * batches * STEPS / (time.perf_counter() - began)
+        steps = sum(len(trial.trajectory["time"]) for trial in loop.run_all(range(trials), 0))
+        return steps / (time.perf_counter() - began)
 
-    one_by_one = rate(1, SINGLES)
+    one_by_one = rate(SINGLES, 1)
     print(f"one by one: {one_by_one:.0f} trial-steps/s")
-    for count in (100, 1000, 10_000):
-        batched = rate(count, 1)
-        print(f"batch of {count}: {batched:.0f} trial-steps/s, ratio {batched / one_by_one:.0f}")
+    for together in (8, 64, 512):
+        batched = rate(4 * together, together)
+        print(f"{together} side by side: {batched:.0f} trial-steps/s, ratio {batched / one_by_one:.0f}")
 
 
 if __name__ == "__main__":

@@ -21,9 +21,8 @@ from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import as_data, verdict, write_experiments
-from graspdsl.trials.lock import locked
 from graspdsl.trials.runner import new_run, pending, program_of_run
-from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, made
+from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, locked, made
 
 ANOTHER = "name another folder with --out"
 

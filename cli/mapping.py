@@ -22,10 +22,8 @@ from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, m
 from graspdsl.report.map_files import FILES, map_files
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare, replace
-from graspdsl.trials.cells import Cells
-from graspdsl.trials.floating_map import floating_cells
-from graspdsl.trials.grids import WantedAxis, axes_of, grid_settings, refused
 from graspdsl.trials.interruption import interruption
+from graspdsl.trials.maps import Cells, WantedAxis, axes_of, floating_cells, grid_settings, refused
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 

@@ -12,7 +12,7 @@ from PIL import Image
 
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.setup import world_of
 from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.camera import Picture
@@ -59,9 +59,9 @@ def main() -> None:
         if record.outcome in found or world.first is None or world.last is None or record.orientation_start > 1.0:
             continue
         found[record.outcome] = (world.first, world.last)
-        if {Outcome.CONVERGED, Outcome.PALM_COLLISION} <= found.keys():
+        if {Outcome.CONVERGED, OUTCOMES["palm-collision"]} <= found.keys():
             break
-    good, bad = found[Outcome.CONVERGED], found[Outcome.PALM_COLLISION]
+    good, bad = found[Outcome.CONVERGED], found[OUTCOMES["palm-collision"]]
     picture = np.hstack([good[0], good[1], bad[1]])
     Image.fromarray(picture).save(ROOT / "docs/images/towel_roll.png", optimize=True)
 

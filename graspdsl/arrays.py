@@ -8,3 +8,4 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Float32Array = npt.NDArray[np.float32]
 Flags = npt.NDArray[np.bool_]
+Rows = np.ndarray[tuple[int], np.dtype[np.intp]]  # places in a leading axis

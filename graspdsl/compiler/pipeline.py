@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -66,6 +65,23 @@ class Tick:
 
 
 @dataclass(frozen=True, slots=True)
+class Ticks:
+    """What the pipeline made of many observations at once: as :class:`Tick`, with their leading axes.
+
+    displacement: (..., n) or (..., k, 3); force_residual, moment_residual: (..., 3); force_error: (...); leaks and
+    ranks: (..., number of them); locked: (..., n).
+    """
+
+    displacement: Array
+    force_residual: Array
+    moment_residual: Array
+    force_error: Array
+    leaks: Array
+    ranks: Array
+    locked: Flags
+
+
+@dataclass(frozen=True, slots=True)
 class Pipeline:
     """A compiled controller. ``evaluate`` is pure: the same observation gives the same command.
 
@@ -98,7 +114,20 @@ class Pipeline:
         return values
 
     def evaluate(self, observation: Observation) -> Tick:
-        """One tick: the command, the sensed residuals and the leaks.
+        """One tick: the command, the sensed residuals and the leaks."""
+        ticks = self.ticks(observation)
+        return Tick(
+            command=Command(self.space, ticks.displacement),
+            force_residual=ticks.force_residual,
+            moment_residual=ticks.moment_residual,
+            force_error=float(ticks.force_error),
+            leaks=tuple(ticks.leaks.tolist()),
+            ranks=tuple(int(rank) for rank in ticks.ranks),
+            locked=ticks.locked,
+        )
+
+    def ticks(self, observation: Observation) -> Ticks:
+        """One tick of as many trials as the observation has leading axes for; what becomes of each is its own affair.
 
         A joint that the command would take beyond a limit is locked, and the command made anew by the others, until
         none is.
@@ -109,18 +138,25 @@ class Pipeline:
             locked |= beyond
             values = self.values(_with_locked(observation, locked))
             values[self.command] = np.where(locked, 0.0, values[self.command])
-        return Tick(
-            command=Command(self.space, values[self.command]),
+        batch = observation.points.shape[:-2]
+
+        def of_each(steps: Iterable[int]) -> Array:
+            columns = [np.broadcast_to(values[step], batch) for step in steps]
+            return np.stack(columns, axis=-1) if columns else np.zeros((*batch, 0))
+
+        error = np.full(batch, np.nan) if self.force_error is None else np.broadcast_to(values[self.force_error], batch)
+        return Ticks(
+            displacement=values[self.command],
             force_residual=values[self.force_residual],
             moment_residual=values[self.moment_residual],
-            force_error=math.nan if self.force_error is None else float(values[self.force_error]),
-            leaks=tuple(float(values[leak.step]) for leak in self.leaks),
-            ranks=tuple(int(values[rank]) for rank in self.ranks),
+            force_error=error,
+            leaks=of_each(leak.step for leak in self.leaks),
+            ranks=of_each(self.ranks),
             locked=locked,
         )
 
     def _beyond(self, joints: Array, displacement: Array) -> Flags:
-        """Which joints (n,) a displacement takes beyond their limits."""
+        """Which joints (..., n) a displacement takes beyond their limits."""
         if self.limits is None:
             return np.zeros(0, dtype=bool)
         lower, upper = self.limits
@@ -129,7 +165,7 @@ class Pipeline:
 
 
 def _with_locked(observation: Observation, locked: Flags) -> Observation:
-    """An observation in which locked joints (n,) move no contact."""
+    """An observation in which locked joints (..., n) move no contact."""
     free = np.where(locked, 0.0, 1.0)[..., None, None, :]
     return replace(
         observation, jacobian=observation.jacobian * free, angular_jacobian=observation.angular_jacobian * free

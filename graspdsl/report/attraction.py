@@ -15,8 +15,7 @@ import numpy as np
 from graspdsl.compiler.program import Program
 from graspdsl.report.outcomes import grouped
 from graspdsl.report.statistics import modes, wilson
-from graspdsl.trials.cells import Axis, Cells
-from graspdsl.trials.grids import cells_of
+from graspdsl.trials.maps import Axis, Cells, cells_of
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import SPEC, RunFolder

@@ -16,32 +16,16 @@ from graspdsl.arrays import Array
 from graspdsl.report.attraction import AttractionMap, CellClass
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.statistics import wilson
-from graspdsl.trials.cells import Axis, Cells
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.spec.outcomes import STROKES
+from graspdsl.trials.maps import Axis, Cells
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 
 SMALL, MEDIUM = 8.0, 8.8  # pt
 WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
 LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
-DOTS, LEVEL, STROKES = "......", "------", "//////"
 NAMES = {"azimuth": "azimuth of {contact}", "polar": "polar angle of {contact} from the top"}
 STROKE = "#aab2bb"
-
-# What converged is in colour, what did not in grey: told apart with every kind of colour vision.
-GREYS = {
-    Outcome.LOCAL_MINIMUM: ("#c9ced4", ""),
-    Outcome.TIMEOUT: ("#c9ced4", DOTS),
-    Outcome.DRAGGED: ("#c9ced4", LEVEL),
-    Outcome.CONTACT_LOST: ("#8f98a2", ""),
-    Outcome.JOINT_LIMIT: ("#8f98a2", DOTS),
-    Outcome.TABLE_CONTACT: ("#8f98a2", LEVEL),
-    Outcome.PALM_COLLISION: ("#5a636d", ""),
-    Outcome.LINK_COLLISION: ("#5a636d", LEVEL),
-    Outcome.TOPPLED: ("#5a636d", DOTS),
-    Outcome.DIVERGED: ("#23292f", ""),
-    Outcome.CRASHED: ("#23292f", DOTS),
-    Outcome.INFEASIBLE_START: (LIGHT["ground"], STROKES),
-}
 
 
 def map_figure(made: AttractionMap) -> Figure:
@@ -73,10 +57,14 @@ def axis_label(axis: Axis, cells: Cells) -> str:
 
 
 def style_of(found: CellClass) -> tuple[str, str]:
-    """The colour and the hatching of a class of cells."""
+    """The colour and the hatching of a class of cells.
+
+    What converged is in colour, what did not in grey: told apart with every kind of colour vision.
+    """
     if found.outcome == Outcome.CONVERGED.value:
         return LIGHT[series((found.mode or 1) - 1)], ""
-    return GREYS[Outcome(found.outcome)]
+    outcome = OUTCOMES[found.outcome]
+    return outcome.grey, outcome.hatching
 
 
 def _frame(axes: Axes, cells: Cells) -> None:

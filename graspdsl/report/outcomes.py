@@ -4,29 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from graspdsl.report.statistics import wilson
-from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
-
-# What each outcome says of a trial; the times and bounds are those of the spec's monitors.
-MEANINGS: Mapping[Outcome, str] = {
-    Outcome.CONVERGED: "the end conditions held, and the object had not been dragged",
-    Outcome.LOCAL_MINIMUM: "the residual stopped falling before the end conditions held, as the hand senses them",
-    Outcome.PALM_COLLISION: "the palm touched the object",
-    Outcome.LINK_COLLISION: "a link other than fingertips and palm touched the object",
-    Outcome.TABLE_CONTACT: "a link touched the table",
-    Outcome.CONTACT_LOST: "a contact was never made, or was lost",
-    Outcome.TOPPLED: "the object leant too far, or did not stand",
-    Outcome.DRAGGED: "the end conditions held, but the object had been dragged",
-    Outcome.JOINT_LIMIT: "a joint was kept from going on by its limit",
-    Outcome.TIMEOUT: "time was up before the end conditions held, as the hand senses them",
-    Outcome.DIVERGED: "the object was moved away",
-    Outcome.INFEASIBLE_START: "the world could take up no start that was drawn",
-    Outcome.CRASHED: "the simulation failed",
-}
 
 # A number on its own, not part of a name such as finger-3.
 _NUMBER = re.compile(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
@@ -39,7 +21,7 @@ def outcome_table(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
     return [
         {
             "outcome": outcome.value,
-            "means": MEANINGS[outcome],
+            "means": outcome.means,
             "count": count,
             "share": count / len(records),
             "interval": wilson(count, len(records)),

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 
 from graspdsl.report.drawing import inline_svg, png_of
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.outcomes import MEANINGS, representatives
+from graspdsl.report.outcomes import representatives
 from graspdsl.report.page_figures import (
     Drawing,
     drawn_convergence,
@@ -37,7 +37,7 @@ from graspdsl.report.summary import numbers_of
 from graspdsl.report.templating import DrawnFigure, rendered
 from graspdsl.report.wording import conditions, number
 from graspdsl.report.writing import replace
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 
 PAGE, FIGURES = "report.html", "figures"
 Frames = Mapping[str, bytes]
@@ -136,7 +136,7 @@ def _framed(evidence: Evidence, frames: Frames) -> list[dict[str, str]]:
     return [
         {
             "address": f"data:image/png;base64,{base64.b64encode(frames[outcome]).decode('ascii')}",
-            "caption": f"{outcome}: trial {record.number} at its end; {record.detail or MEANINGS[Outcome(outcome)]}",
+            "caption": f"{outcome}: trial {record.number} at its end; {record.detail or OUTCOMES[outcome].means}",
         }
         for outcome, record in representatives(evidence.records).items()
         if outcome in frames

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.lock import unwritable
+from graspdsl.trials.store import unwritable
 
 
 def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:

@@ -1,18 +1,208 @@
-"""Monitors: what ends a trial that went wrong, and what a good grasp must not have done. Every line has a default."""
+"""Monitors: what ends a trial that went wrong, and what a good grasp must not have done. Every line has a default.
+
+They watch the truth, as the chapter's human monitor did.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, TypeVar
 
-from pydantic import Field, WithJsonSchema, model_validator
+import numpy as np
+from pydantic import Field, create_model, model_validator
 
-from graspdsl.places.fields import Count, Metres, Model, Number, Seconds, Unit, form, forms, is_number
+from graspdsl.arrays import Flags, Rows
+from graspdsl.places.fields import Count, Model, Number, Seconds, form, forms
+from graspdsl.spec.outcomes import DOTS, LEVEL, Outcome
+from graspdsl.spec.watching import (
+    AT_ONCE,
+    OFF,
+    Angle,
+    Beyond,
+    Distance,
+    Lasting,
+    Monitor,
+    Off,
+    SceneFacts,
+    Setting,
+    Sight,
+    Touch,
+    When,
+    a_hand,
+    a_loose_object,
+    a_table,
+    an_upright_object,
+    loose_contacts,
+)
 
-OFF: Literal["off"] = "off"
-AT_ONCE = 0.0  # s
+AT_LIMIT = 1e-3  # rad or m
 
-Off = Annotated[Literal["off"], form("off"), WithJsonSchema({"enum": ["on", "off", True, False]})]
-StopOrOff = Annotated[Literal["off"], form("off"), WithJsonSchema({"enum": ["on", "off", "stop", True, False]})]
+
+class PalmMonitor(Touch):
+    """The palm on the object."""
+
+    key, touched = "palm", "object"
+    description = "the palm touches the object, for this time (s): palm-collision"
+    default = AT_ONCE
+    outcome = Outcome("palm-collision", "the palm touched the object", "#5a636d")
+    needs = (a_hand,)
+    of_a_free_object = True
+
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """The palm."""
+        return ["the palm"] if self.setting.palm in sight.links[place] else []
+
+
+class LinkMonitor(Touch):
+    """Other links on the object."""
+
+    key, touched = "link", "object"
+    description = "any link but a fingertip and the palm touches the object, for this time (s): link-collision"
+    default = 0.5
+    outcome = Outcome("link-collision", "a link other than fingertips and palm touched the object", "#5a636d", LEVEL)
+    needs = (a_hand,)
+    of_a_free_object = True
+
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """All but fingertips and the palm."""
+        return [link for link in sight.links[place] if link != self.setting.palm]
+
+
+class TableMonitor(Touch):
+    """Links on the table."""
+
+    key, touched = "table", "table"
+    description = "any link of hand or arm touches the table, for this time (s): table-contact"
+    default = AT_ONCE
+    outcome = Outcome("table-contact", "a link touched the table", "#8f98a2", LEVEL)
+    needs = (a_hand, a_table)
+
+    def who(self, sight: Sight, place: int) -> Sequence[str]:
+        """All that do."""
+        return sight.table_links[place]
+
+
+class LostMonitor(Lasting):
+    """Contacts that part from the object, once all have touched."""
+
+    key = "lost"
+    description = "a contact does not touch any more, for this time (s): contact-lost"
+    default = 2.0
+    outcome = Outcome("contact-lost", "a contact was never made, or was lost", "#8f98a2")
+    needs = (loose_contacts,)
+    turn = 2
+
+    @staticmethod
+    def width(setting: Setting) -> int:
+        """One a contact."""
+        return len(setting.contacts)
+
+    def happens(self, sight: Sight) -> Flags:
+        """Contacts of the grasp that do not touch, (M, k)."""
+        grasped = np.zeros(sight.touching.shape[-1], dtype=bool)
+        grasped[list(sight.grasp)] = True
+        away: Flags = ~sight.touching & grasped & sight.touched[:, None]
+        return away
+
+    def detail(self, sight: Sight, place: int) -> str:
+        """The first of those lost."""
+        lost = next(contact for contact in sight.grasp if self.lasting[place, contact])
+        return f"{self.setting.contacts[lost]} lost the object" + self.lasted
+
+    def out_of_time(self, sight: Sight, place: int) -> str | None:
+        """Contacts that were not made."""
+        missing = [self.setting.contacts[c] for c in sight.grasp if not sight.touching[place, c]]
+        return f"{', '.join(missing)} made no contact within {sight.limit:g} s" if missing else None
+
+
+class JointLimitMonitor(Lasting):
+    """Joints that are stopped at a limit and keep the stage from its end."""
+
+    key = "joint_limit"
+    description = (
+        "a joint is told to go beyond its limit, for this time (s), while the phase has not reached its end: "
+        "joint-limit; a joint at the limit where it began does not count"
+    )
+    default = 2.0
+    outcome = Outcome("joint-limit", "a joint was kept from going on by its limit", "#8f98a2", DOTS)
+    needs = (a_hand,)
+    turn = 1
+
+    @staticmethod
+    def width(setting: Setting) -> int:
+        """One a joint."""
+        return len(setting.joints)
+
+    def happens(self, sight: Sight) -> Flags:
+        """Joints in the way, (M, n)."""
+        hindering: Flags = sight.stopped & self._moved(sight) & ~sight.met[:, None]
+        return hindering
+
+    def detail(self, sight: Sight, place: int) -> str:
+        """Which joints, and for how long."""
+        del sight
+        return f"{self._names(self.lasting[place])} at a limit" + self.lasted
+
+    def out_of_time(self, sight: Sight, place: int) -> str | None:
+        """Joints that are at a limit now."""
+        joints, setting = sight.joints[place], self.setting
+        at_limit = (joints > setting.upper - AT_LIMIT) | (joints < setting.lower + AT_LIMIT)
+        names = self._names(at_limit & self._moved(sight)[place])
+        return f"{names} at a limit" if names else None
+
+    def _names(self, chosen: Flags) -> str:
+        return ", ".join(name for name, is_chosen in zip(self.setting.joints, chosen, strict=True) if is_chosen)
+
+    def _moved(self, sight: Sight) -> Flags:
+        """Joints that are not where they began, (M, n)."""
+        moved: Flags = np.abs(sight.joints - self.setting.began[sight.rows]) > AT_LIMIT
+        return moved
+
+
+class LeanMonitor(Beyond):
+    """An object that falls over."""
+
+    key = "lean"
+    description = "the object leans by more than this (rad): toppled"
+    bound_type, default = Angle, 0.35
+    outcome = Outcome.TOPPLED
+    needs = (a_loose_object, an_upright_object)
+    of_a_free_object = True
+    quantity, said = "lean", "the object leant {:.2f} rad"
+
+
+class ShiftMonitor(Beyond):
+    """An object that is moved away."""
+
+    key = "shift"
+    description = "the object has moved by more than this (m), at any time: diverged"
+    bound_type, default = Distance, 0.10
+    outcome = Outcome("diverged", "the object was moved away", "#23292f")
+    needs = (a_loose_object,)
+    of_a_free_object = True
+    quantity, said, scale = "shift", "the object was moved {:.0f} mm", 1000.0
+
+
+class DraggedMonitor(Beyond):
+    """A grasp that has dragged the object along to where its residual is low."""
+
+    key = "dragged"
+    description = "the object has moved by more than this (m) in a grasp at its end: dragged"
+    bound_type, default = Distance, 0.02
+    outcome = Outcome("dragged", "the end conditions held, but the object had been dragged", "#c9ced4", LEVEL)
+    needs = (a_loose_object,)
+    of_a_free_object = True
+    when = When.END
+    quantity, said, scale = "shift", "a low residual, but the object was dragged {:.0f} mm", 1000.0
+
+    @classmethod
+    def out_of_reach(cls, bound: Any, scene: SceneFacts) -> str | None:
+        """A trial whose object moves that far has ended before."""
+        shift = scene.bounds["shift"]
+        if OFF in (bound, shift) or bound < shift:
+            return None
+        return f"an object that has moved by {shift:g} m has ended the trial as diverged"
 
 
 class Progress(Model):
@@ -27,102 +217,153 @@ class Progress(Model):
     )
 
 
-def _bound_form(value: Any) -> str | None:
-    if is_number(value):
-        return "number"
-    return "off" if value == OFF else None
-
-
 def _progress_form(value: Any) -> str | None:
     if isinstance(value, dict | Progress):
         return "progress"
     return "off" if value == OFF else None
 
 
-Patience = Annotated[
-    Annotated[Seconds, Field(ge=0.0, le=600.0), form("number")] | StopOrOff,
-    forms("a number, stop (at once), on (the default) or off", _bound_form),
-]
-Angle = Annotated[
-    Annotated[Number, Unit("rad"), Field(gt=0.0, le=3.1416), form("number")] | Off,
-    forms("a number, on (the default) or off", _bound_form),
-]
-Distance = Annotated[
-    Annotated[Metres, Field(gt=0.0, le=10.0), form("number")] | Off,
-    forms("a number, on (the default) or off", _bound_form),
-]
-Window = Annotated[
-    Annotated[Progress, form("progress")] | Off,
-    forms("{window: 6.0, probes: 15, least: 0.02}, on (the default) or off", _progress_form),
-]
-TIMES = ("palm", "link", "table", "lost", "joint_limit")
-OUTCOMES = {
-    "palm-collision": "palm",
-    "link-collision": "link",
-    "table-contact": "table",
-    "contact-lost": "lost",
-    "joint-limit": "joint_limit",
-    "toppled": "lean",
-    "diverged": "shift",
-    "local-minimum": "progress",
+class ProgressMonitor(Monitor):
+    """A residual that has stopped falling: its least value of a window is hardly below that of the one before."""
+
+    key = "progress"
+    description = "a residual that is waited for does not fall any more: local-minimum"
+    bound_type = Annotated[
+        Annotated[Progress, form("progress")] | Off,
+        forms("{window: 6.0, probes: 15, least: 0.02}, on (the default) or off", _progress_form),
+    ]
+    default = Progress()
+    outcome = Outcome(
+        "local-minimum",
+        "the residual stopped falling before the end conditions held, as the hand senses them",
+        "#c9ced4",
+    )
+    when = When.STAYING
+
+    def __init__(self, bound: Progress, setting: Setting) -> None:
+        super().__init__(bound, setting)
+        self._window = bound.probes if setting.probes else max(1, round(bound.window * setting.rate))
+        self._values = np.zeros((len(setting.began), 2 * self._window))
+        self._seen = np.zeros(len(setting.began), dtype=np.intp)
+
+    def speaks(self, sight: Sight) -> Flags:
+        """Residuals that have stalled; one that is low enough need not fall any more."""
+        if not sight.awaits_residual:
+            return np.zeros(len(sight.rows), dtype=bool)
+        stalled: Flags = self._stalled(sight.rows, self._lengths(sight)) & ~sight.met
+        return stalled
+
+    def _lengths(self, sight: Sight) -> list[float]:
+        """Force and moment in one (1), (M,)."""
+        moments = sight.moment_residual / self.setting.curvature_radius
+        return [math.hypot(*pair) for pair in zip(sight.force_residual.tolist(), moments.tolist(), strict=True)]
+
+    def _stalled(self, rows: Rows, lengths: list[float]) -> Flags:
+        width = 2 * self._window
+        self._values[rows, self._seen[rows] % width] = lengths
+        self._seen[rows] += 1
+        full = self._seen[rows] >= width
+        if full.any():
+            filled = rows[full]
+            order = (self._seen[filled, None] + np.arange(width)) % width
+            values = np.take_along_axis(self._values[filled], order, axis=-1)
+            before, after = (half.min(axis=-1) for half in np.split(values, 2, axis=-1))
+            full[full] = after > (1.0 - self.bound.least) * before
+        return np.asarray(full)
+
+    def detail(self, sight: Sight, place: int) -> str:
+        """What is waited for."""
+        return f"the residual stopped falling: {sight.waited_for(place)}"
+
+    def begin_anew(self, rows: Rows) -> None:
+        """Two windows are needed again."""
+        self._seen[rows] = 0
+
+    @classmethod
+    def out_of_reach(cls, bound: Any, scene: SceneFacts) -> str | None:
+        """Some phase must wait for a residual, for two windows."""
+        if not scene.waiting:
+            return "no phase waits for a residual"
+        if bound == OFF or scene.tick is None or 2.0 * bound.window <= max(scene.waiting) + scene.tick:
+            return None
+        return f"no phase that waits for a residual lasts for two windows of {bound.window:g} s"
+
+
+MONITORS: Mapping[str, type[Monitor]] = {
+    monitor.key: monitor
+    for monitor in (
+        PalmMonitor,
+        LinkMonitor,
+        TableMonitor,
+        LostMonitor,
+        JointLimitMonitor,
+        LeanMonitor,
+        ShiftMonitor,
+        DraggedMonitor,
+        ProgressMonitor,
+    )
 }
-OF_A_FREE_OBJECT = ("palm", "link", "lean", "shift", "dragged")
+OUTCOMES: Mapping[str, Outcome] = {
+    outcome.value: outcome
+    for outcome in (
+        Outcome.CONVERGED,
+        *dict.fromkeys(monitor.outcome for monitor in MONITORS.values()),
+        Outcome.TIMEOUT,
+        Outcome.INFEASIBLE_START,
+        Outcome.CRASHED,
+    )
+}
+
+Lines = TypeVar("Lines", bound=Model)
 
 
+def _with_lines(table: Mapping[str, type[Monitor]]) -> Callable[[type[Lines]], type[Lines]]:
+    """Gives a model the lines of a table."""
+    fields: dict[str, Any] = {
+        key: (monitor.bound_type, Field(default=monitor.default, description=monitor.description))
+        for key, monitor in table.items()
+    }
+
+    def fill(model: type[Lines]) -> type[Lines]:
+        return create_model(
+            model.__name__, __base__=model, __doc__=model.__doc__, __module__=model.__module__, **fields
+        )
+
+    return fill
+
+
+def _meant(monitor: type[Monitor], word: str | bool) -> Any:
+    words: dict[str | bool, Any] = {True: monitor.default, "on": monitor.default, False: OFF, **monitor.words}
+    return words.get(word, word)
+
+
+@_with_lines(MONITORS)
 class MonitorBounds(Model):
     """The monitors. A time is how long something may last: 0, or stop, ends the trial at once; off never does."""
 
-    meant_by: ClassVar = {outcome: f"the monitor of {outcome} is {name}" for outcome, name in OUTCOMES.items()}
-
-    palm: Patience = Field(
-        default=AT_ONCE, description="the palm touches the object, for this time (s): palm-collision"
-    )
-    link: Patience = Field(
-        default=0.5,
-        description="any link but a fingertip and the palm touches the object, for this time (s): link-collision",
-    )
-    table: Patience = Field(
-        default=AT_ONCE, description="any link of hand or arm touches the table, for this time (s): table-contact"
-    )
-    lost: Patience = Field(
-        default=2.0, description="a contact does not touch any more, for this time (s): contact-lost"
-    )
-    joint_limit: Patience = Field(
-        default=2.0,
-        description="a joint is told to go beyond its limit, for this time (s), while the phase has not reached its "
-        "end: joint-limit; a joint at the limit where it began does not count",
-    )
-    lean: Angle = Field(default=0.35, description="the object leans by more than this (rad): toppled")
-    shift: Distance = Field(
-        default=0.10, description="the object has moved by more than this (m), at any time: diverged"
-    )
-    dragged: Distance = Field(
-        default=0.02, description="the object has moved by more than this (m) in a grasp at its end: dragged"
-    )
-    progress: Window = Field(
-        default=Progress(), description="a residual that is waited for does not fall any more: local-minimum"
-    )
+    meant_by: ClassVar = {
+        monitor.outcome.value: f"the monitor of {monitor.outcome.value} is {key}"
+        for key, monitor in MONITORS.items()
+        if monitor.outcome.value != key
+    }
 
     @model_validator(mode="before")
     @classmethod
     def _words(cls, data: Any) -> Any:
-        """Truth values and words for what they stand for; stop is a time of zero."""
+        """Truth values and words for what they stand for."""
         if not isinstance(data, dict):
             return data
-        meant = {
-            name: {True: field.default, "on": field.default, False: OFF} for name, field in cls.model_fields.items()
-        }
-        for name in TIMES:
-            meant[name]["stop"] = AT_ONCE
         return {
-            key: meant[key].get(value, value) if key in meant and isinstance(value, str | bool) else value
+            key: _meant(MONITORS[key], value) if key in MONITORS and isinstance(value, str | bool) else value
             for key, value in data.items()
         }
 
     def in_effect(self, *, held: bool) -> MonitorBounds:
-        """The monitors as they act. An object that is held is meant to touch the hand, to move and to lean: what
-        watches for that is off unless the spec asks for it."""
-        if not held:
-            return self
-        idle = [name for name in OF_A_FREE_OBJECT if name not in self.model_fields_set]
-        return self.model_copy(update=dict.fromkeys(idle, OFF))
+        """The monitors as they act on an object that is held, or is not."""
+        idle = [key for key, monitor in MONITORS.items() if held and monitor.of_a_free_object]
+        return self.model_copy(update={key: OFF for key in idle if key not in self.model_fields_set})
+
+    def watches(self, setting: Setting) -> list[Monitor]:
+        """The monitors that are not off, over N trials."""
+        bounds = {key: getattr(self, key) for key in MONITORS}
+        return [MONITORS[key](bound, setting) for key, bound in bounds.items() if bound != OFF]

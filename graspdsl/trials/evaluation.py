@@ -14,8 +14,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.grades import graded_ferrari_canny, graded_force_closure, grasp_wrenches
 from graspdsl.quality.lift_and_shake import Handling, Held, lift_and_shake
 from graspdsl.quality.metric import CRASHED, NO_CONTACTS
-from graspdsl.trials.stage import WitnessedWorld
-from graspdsl.worlds.protocol import PalmWorld
+from graspdsl.worlds.protocol import PalmWorld, Witness
 
 HANDLING = ("lift", "shake")
 NOWHERE = np.zeros((0, 3))
@@ -31,7 +30,7 @@ class Evaluation:
     robot: Robot
     handling: Handling = field(default_factory=Handling)
 
-    def of(self, world: WitnessedWorld, contacts: Sequence[int]) -> Quality:
+    def of(self, world: Witness, contacts: Sequence[int]) -> Quality:
         """The grades of the grasp that a world is in, by its truth, of those of the contacts that touch.
 
         To lift and shake the object changes the world.
@@ -57,7 +56,7 @@ class Evaluation:
         dropped = dataclasses.asdict(Held(False, reason))
         return {**quality, **{grade: dropped for grade in HANDLING if grade in self.grades}}
 
-    def _handled(self, world: WitnessedWorld, contacts: Sequence[int]) -> Quality:
+    def _handled(self, world: Witness, contacts: Sequence[int]) -> Quality:
         asked = [grade for grade in HANDLING if grade in self.grades]
         if not asked or not isinstance(world, PalmWorld):
             return {}

@@ -21,14 +21,13 @@ def versions(*, readers: bool) -> dict[str, str]:
     return {name: metadata.version(name) for name in (*LIBRARIES, *(FILE_READERS if readers else ()))}
 
 
-def identity(program: Program, number: int, seed: int) -> str:
-    """A hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions."""
-    return identities(program, seed, versions(readers=bool(program.files)))(number)
+def identities(program: Program, seed: int, made_by: Mapping[str, str] | None = None) -> Callable[[int], str]:
+    """The identities of a program's trials, by their numbers, as made by these versions, or by those that are here.
 
-
-def identities(program: Program, seed: int, made_by: Mapping[str, str]) -> Callable[[int], str]:
-    """The identities of a program's trials, by their numbers, as made by these versions."""
+    Each is a hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions.
+    """
     spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
+    made_by = made_by or versions(readers=bool(program.files))
     before = [spec, program.monitors.model_dump(mode="json")]
     after: list[object] = [seed, {name: made_by.get(name) for name in LIBRARIES}]
     if program.files:

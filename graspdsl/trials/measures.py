@@ -1,4 +1,8 @@
-"""What is measured of a grasp: residuals, orientation, sensing errors, from the truth where it is known."""
+"""What is measured of grasps: residuals, orientation, sensing errors, from the truth where it is known.
+
+Leading axes are a batch of trials. Each trial's numbers are the same to the last bit whatever others stand beside it:
+so lengths are taken by ``vecdot``, and arcs one by one, for what is faster for many rounds otherwise.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.basis.algebra import cross
 from graspdsl.basis.resources import ContactSet
 from graspdsl.worlds.protocol import Observation, Truth
@@ -17,55 +21,67 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True, slots=True)
 class GraspMeasure:
-    """A grasp at one tick.
+    """Grasps at one tick: force_residual ‖ρ_f‖ (1) and moment_residual ‖ρ_m‖ [m] about the contacts' centroid, (...).
 
-    force_residual: ‖ρ_f‖ (1), moment_residual: ‖ρ_m‖ [m] about the contacts' centroid; orientation [rad], 0…π/2, of the
-    line through two contacts or of the normal of the plane of more, against the object's axis; NaN for one contact.
+    points: (..., m, 3) [m] of the m resources; axis: (..., 3) of the object.
     """
 
-    force_residual: float
-    moment_residual: float
-    orientation: float
+    force_residual: Array
+    moment_residual: Array
+    points: Array
+    axis: Array
+
+    @property
+    def orientation(self) -> Array:
+        """Of the resources against the object's axis (...) [rad]."""
+        return orientation(self.points, self.axis)
+
+
+def length(vectors: Array) -> Array:
+    """The Euclidean norm over the last axis, (...)."""
+    return np.asarray(np.sqrt(np.vecdot(vectors, vectors)))
 
 
 def true_contacts(observation: Observation, truth: Truth) -> tuple[Array, Array]:
-    """Contact points and normals, (k, 3) each: the truth where a contact touches, else what the hand knows."""
-    known = np.isfinite(truth.points[:, :1])
+    """Contact points and normals, (..., k, 3) each: the truth where a contact touches, else what the hand knows."""
+    known = np.isfinite(truth.points[..., :1])
     return np.where(known, truth.points, observation.points), np.where(known, truth.normals, observation.normals)
 
 
 def measure(observation: Observation, truth: Truth, grasp: ContactSet) -> GraspMeasure:
-    """The residuals (Eq. 4.1, 4.2 with 4.32) and the orientation (Sec. 4.5.1, 4.5.2) of the present grasp."""
+    """The residuals (Eq. 4.1, 4.2 with 4.32) and the orientation (Sec. 4.5.1, 4.5.2) of the present grasps."""
     points, normals = true_contacts(observation, truth)
     if grasp.has_gravity:
-        points, normals = np.vstack([points, truth.object_position]), np.vstack([normals, DOWN])
+        points = np.concatenate([points, truth.object_position[..., None, :]], axis=-2)
+        normals = np.concatenate([normals, np.broadcast_to(DOWN, (*normals.shape[:-2], 1, 3))], axis=-2)
     weights = grasp.weights
     centroid = weights @ points / weights.sum()
-    force = weights @ normals
-    moment = weights @ cross(points - centroid, normals)
     return GraspMeasure(
-        force_residual=float(np.linalg.norm(force)),
-        moment_residual=float(np.linalg.norm(moment)),
-        orientation=orientation(grasp.matrix @ points, truth.object_axis),
+        force_residual=length(weights @ normals),
+        moment_residual=length(weights @ cross(points - centroid[..., None, :], normals)),
+        points=grasp.matrix @ points,
+        axis=truth.object_axis,
     )
 
 
-def orientation(points: Array, axis: Array) -> float:
-    """The angle [rad], 0…π/2, between an axis (3,) and the line through two points or the normal of the plane of more.
+def orientation(points: Array, axis: Array) -> Array:
+    """The angles (...) [rad], 0…π/2, between an axis and the line through two points or the plane normal of more.
 
-    points: (m, 3). NaN for fewer than two.
+    points: (..., m, 3), axis: (..., 3). NaN for fewer than two.
     """
-    if len(points) < 2:
-        return math.nan
-    _, _, directions = np.linalg.svd(points - points.mean(axis=0))
-    direction = directions[0] if len(points) == 2 else directions[2]
-    return math.acos(min(1.0, abs(float(direction @ axis))))
+    if points.shape[-2] < 2:
+        return np.full(points.shape[:-2], np.nan)
+    *_, directions = np.linalg.svd(points - points.mean(axis=-2, keepdims=True))
+    direction = directions[..., 0 if points.shape[-2] == 2 else 2, :]
+    cosines = np.minimum(1.0, np.abs(np.vecdot(direction, axis)))
+    return np.array([math.acos(cosine) for cosine in cosines.ravel()]).reshape(cosines.shape)
 
 
-def sensing_errors(observation: Observation, truth: Truth) -> tuple[Array, Array]:
-    """Distances [m] of sensed from true contact points and angles [rad] between normals, for contacts that touch."""
-    both = observation.touching & np.isfinite(truth.points[:, 0])
-    distance = np.linalg.norm((observation.points - truth.points)[both], axis=1)
-    sine = np.linalg.norm(cross(observation.normals[both], truth.normals[both]), axis=1)
-    cosine = np.einsum("ki,ki->k", observation.normals[both], truth.normals[both])
-    return np.asarray(distance), np.arctan2(sine, cosine)
+def sensing_errors(observation: Observation, truth: Truth) -> tuple[Flags, Array, Array, Array]:
+    """Which contacts touch, by feeling and in truth; the distances [m] of sensed from true contact points; and the sine
+    and the cosine of the angles between their normals; (..., k) each."""
+    both = observation.touching & np.isfinite(truth.points[..., 0])
+    distance = np.linalg.norm(observation.points - truth.points, axis=-1)
+    sine = np.linalg.norm(cross(observation.normals, truth.normals), axis=-1)
+    cosine = np.einsum("...ki,...ki->...k", observation.normals, truth.normals)
+    return both, np.asarray(distance), np.asarray(sine), cosine

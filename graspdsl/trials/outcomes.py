@@ -1,31 +1,17 @@
-"""How a trial can end."""
+"""How trials end."""
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 
+from graspdsl.spec.monitors import OUTCOMES
+from graspdsl.spec.outcomes import Outcome
 
-class Outcome(enum.StrEnum):
-    """The classes of outcomes; every trial bears exactly one."""
-
-    CONVERGED = "converged"
-    LOCAL_MINIMUM = "local-minimum"
-    PALM_COLLISION = "palm-collision"
-    LINK_COLLISION = "link-collision"
-    TABLE_CONTACT = "table-contact"
-    CONTACT_LOST = "contact-lost"
-    TOPPLED = "toppled"
-    DRAGGED = "dragged"
-    JOINT_LIMIT = "joint-limit"
-    TIMEOUT = "timeout"
-    DIVERGED = "diverged"
-    INFEASIBLE_START = "infeasible-start"
-    CRASHED = "crashed"
+__all__ = ["OUTCOMES", "Ending", "Outcome"]
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class Ending:
     """An outcome and what brought it about, in words."""
 
     outcome: Outcome

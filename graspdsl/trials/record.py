@@ -36,8 +36,9 @@ class TrialRecord:
     ``ticks`` counts from where the controller takes over from the guarded close to the end, ``ticks_to_converge`` to
     the tick from which on the end conditions held (None without convergence); where contacts are displaced by probing,
     a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a tick, or one a probe.
-    ``tare_s`` is the time taken to tare the sensors, which ``world_s`` does not include. ``quality`` holds the grades
-    of the final grasp that the spec asks for, by their names.
+    ``wall_s`` is the computer's time, an equal share of what was done for several trials at once. ``tare_s`` is that
+    taken to tare the sensors, which ``world_s`` does not include. ``quality`` holds the grades of the final grasp that
+    the spec asks for, by their names.
     """
 
     number: Count

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import from_json
 
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 from graspdsl.trials.record import LARGEST_VALUE, RejectedStart, TrialRecord
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
@@ -58,7 +58,7 @@ class _Rejected(_Part):
     rejected: tuple[RejectedStart, ...]
 
 
-_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "quality": _Grades}
+_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "outcome": str, "quality": _Grades}
 _FIELDS: dict[str, Any] = {name: (kind, ...) for name, kind in _KINDS.items()}
 _Values = create_model("_Values", __base__=_Part, **_FIELDS)
 
@@ -77,7 +77,9 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
         values["rejected"] = _Rejected.model_validate_json(f'{{"rejected": {values["rejected"]}}}').rejected
         values |= {name: math.nan for name in _MEASURED if values[name] is None}
-        values["outcome"] = Outcome(values["outcome"])
+        if values["outcome"] not in OUTCOMES:
+            raise ValueError(f"{values['outcome']!r} is not a valid Outcome")
+        values["outcome"] = OUTCOMES[values["outcome"]]
         _Values.model_validate(values)
     except TypeError:
         raise ValueError("a value has another type") from None

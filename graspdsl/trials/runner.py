@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import multiprocessing
 import multiprocessing.connection
 import multiprocessing.process
@@ -13,7 +14,7 @@ import threading
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -22,15 +23,15 @@ from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.trials.identity import FILE_READERS, identities, other_origin, versions
 from graspdsl.trials.interruption import SIGNALS, interruption
+from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], None]
-OnDrawing = Callable[[int, int], None]  # number of a trial, draws of a start that it could not take up so far
-TRIALS_WORTH_A_WORKER = 4
+BATCHES_WORTH_A_WORKER = 4
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
-AHEAD = 2  # trials that a worker knows of, so that it need not wait for the next
+AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
@@ -66,7 +67,7 @@ def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]
     and new ones would not go together.
     """
     done = {record.number: record.identity for record in finished}
-    identity_of = identities(program, folder.manifest.seed, versions(readers=bool(program.files)))
+    identity_of = identities(program, folder.manifest.seed)
     if any(identity_of(number) != known for number, known in done.items()):
         raise DiagnosticError([_differs(folder.manifest.versions)])
     return [number for number in range(folder.manifest.asked) if number not in done]
@@ -94,9 +95,12 @@ def execute(
         numbers = pending(folder, program, finished)
         if not numbers:
             return
+        most = together(program)
         if workers is None:
-            workers = min(os.cpu_count() or 1, max(1, len(numbers) // TRIALS_WORTH_A_WORKER))
+            workers = min(os.cpu_count() or 1, max(1, len(numbers) // (most * BATCHES_WORTH_A_WORKER)))
         workers = min(workers, len(numbers))
+        size = min(most, math.ceil(len(numbers) / workers))
+        batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
         began, seed = time.perf_counter(), folder.manifest.seed
 
         def spend() -> None:
@@ -105,9 +109,9 @@ def execute(
 
         tell = on_drawing or (lambda _number, _draws: None)
         if workers == 1:
-            trials = _here(program, numbers, seed, tell)
+            trials = trial_loop(program).run_all(numbers, seed, tell)
         else:
-            trials = _elsewhere(folder, numbers, seed, workers, tell)
+            trials = _elsewhere(folder, batches, seed, workers, tell)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):
@@ -142,12 +146,6 @@ def _differs(made_by: Mapping[str, str]) -> Diagnostic:
     return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")
 
 
-def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[Trial, None, None]:
-    loop = trial_loop(program)
-    for number in numbers:
-        yield loop.run(number, seed, functools.partial(tell, number))
-
-
 Recipe = tuple[str, str, tuple[str, ...], Path]  # what program_of makes a program from
 
 
@@ -156,7 +154,8 @@ def _recipe(folder: RunFolder) -> Recipe:
 
 
 Worker = multiprocessing.process.BaseProcess
-Pipe = multiprocessing.connection.Connection  # numbers of trials to a worker, trials or what went wrong from it
+Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here what comes of them
+Answer = Trial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
 
 
 def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
@@ -165,8 +164,9 @@ def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
     try:
         loop = trial_loop(program_of(*recipe))
         while True:
-            number: int = pipe.recv()
-            pipe.send(loop.run(number, seed, functools.partial(_tell, pipe, number)))
+            for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
+                pipe.send(trial)
+            pipe.send(None)
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
@@ -186,34 +186,35 @@ def _end_with_parent() -> None:
 
 
 def _elsewhere(
-    folder: RunFolder, numbers: Sequence[int], seed: int, workers: int, tell: OnDrawing
+    folder: RunFolder, batches: Iterable[Sequence[int]], seed: int, workers: int, tell: OnDrawing
 ) -> Generator[Trial, None, None]:
-    recipe, left = _recipe(folder), iter(numbers)
+    recipe, left = _recipe(folder), iter(batches)
     crew: dict[Pipe, Worker] = {}
+    waiting = 0  # batches given out that are not done
 
-    def give(pipe: Pipe) -> None:
-        for number in itertools.islice(left, 1):
+    def give(pipe: Pipe) -> int:
+        for batch in itertools.islice(left, 1):
             with suppress(OSError):  # that it has ended is found when its trials are awaited
-                pipe.send(number)
+                pipe.send(batch)
+            return 1
+        return 0
 
     with interruption.at_the_end(lambda: _kill(crew)):
         for _ in range(workers):
             with interruption.whole():
                 pipe, worker = _started(recipe, seed)
                 crew[pipe] = worker
-        for pipe in [*crew] * AHEAD:
-            give(pipe)
-        missing = len(numbers)
-        while missing:
+        waiting = sum(give(pipe) for pipe in [*crew] * AHEAD)
+        while waiting:
             # A signal just before a wait is heeded after it.
             for pipe in set(crew).intersection(multiprocessing.connection.wait(list(crew), timeout=GLANCE)):
                 answer = _received(pipe, crew[pipe])
-                if isinstance(answer, tuple):
+                if answer is None:
+                    waiting += give(pipe) - 1
+                elif isinstance(answer, tuple):
                     tell(*answer)
-                    continue
-                give(pipe)
-                missing -= 1
-                yield answer
+                else:
+                    yield answer
 
 
 def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
@@ -226,10 +227,9 @@ def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
     return here, worker
 
 
-def _received(pipe: Pipe, worker: Worker) -> Trial | tuple[int, int]:
-    """A trial, or the number of one and how many draws of a start it could not take up so far."""
+def _received(pipe: Pipe, worker: Worker) -> Answer:
     try:
-        answer: Trial | tuple[int, int] | Exception = pipe.recv()
+        answer: Answer | Exception = pipe.recv()
     except (EOFError, OSError):
         worker.join(timeout=GLANCE)
         raise WorkerEndedError(worker.exitcode) from None

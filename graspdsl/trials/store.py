@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import re
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,16 +19,13 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.places.files import COPIES, RUN_MANIFEST, NamedFile, read_text
 from graspdsl.spec.trials import MOST_TRIALS
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.lock import LOCK, locked, unwritable
 from graspdsl.trials.record import Duration, Trial, TrialRecord
 from graspdsl.trials.rows import COLUMNS, record_of, row_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory, write_trajectory
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
 FILES = COPIES  # of those that the spec names
-LARGEST_TABLE, LONGEST_VALUE = 1024**3, 1024**2  # bytes of the table's file and of one value in it
-_TABLE_OF_ANOTHER_VERSION = re.compile(r"CREATE TABLE trials \((\w+(?:, \w+)*), PRIMARY KEY \(number\)\)")
-_TABLE_MADE_BY = f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))"
+LOCK = "lock"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +90,7 @@ class RunFolder:
             copy.write_bytes(file.content)
         (self.path / TABLE).touch()
         with self._table() as table:
-            table.execute(_TABLE_MADE_BY)
+            table.execute(f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))")
         self._save_manifest(manifest)  # last of all, which makes it a run
 
     @classmethod
@@ -156,11 +152,6 @@ class RunFolder:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
         if not (self.path / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
-        if (self.path / TABLE).stat().st_size > LARGEST_TABLE:
-            raise self._damaged(TABLE, f"it is larger than {LARGEST_TABLE} bytes")
-        for beside in (self.path / f"{TABLE}{suffix}" for suffix in ("-journal", "-wal", "-shm")):
-            if beside.exists() and not beside.is_file():  # SQLite would wait for ever for what a pipe has to say
-                raise self._damaged(TABLE, f"{beside.name} beside it is not a regular file")
         try:
             with self._table() as table:
                 rows = self._rows(table)
@@ -172,16 +163,14 @@ class RunFolder:
         return [self._record(row) for row in rows]
 
     def _rows(self, table: sqlite3.Connection) -> list[tuple[object, ...]]:
-        made_by = [sql for (sql,) in table.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL LIMIT 2")]
-        if made_by != [_TABLE_MADE_BY]:  # a view or a trigger could do anything
-            other = _TABLE_OF_ANOTHER_VERSION.fullmatch(made_by[0]) if len(made_by) == 1 else None
-            if other is None:
-                raise self._damaged(TABLE, "it does not hold the one table that a run makes")
-            differing = sorted(set(other[1].split(", ")) ^ set(COLUMNS))
-            message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {listed(differing)}"
+        known = {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")}
+        if not known:
+            raise self._damaged(TABLE, "there is no table of trials in it")
+        if known != set(COLUMNS):
+            differing = listed(sorted(known ^ set(COLUMNS)))
+            message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {differing}"
             raise _refused("run-differs", message, "read it with the version that made it, or run its spec again")
-        query = f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number LIMIT {MOST_TRIALS + 1}"
-        return table.execute(query).fetchall()
+        return table.execute(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number").fetchall()
 
     def _record(self, row: Sequence[object]) -> TrialRecord:
         try:
@@ -264,8 +253,38 @@ class RunFolder:
     def _table(self) -> Iterator[sqlite3.Connection]:
         place = f"{(self.path / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
         with closing(sqlite3.connect(place, uri=True)) as connection, connection:
-            connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_VALUE)
             yield connection
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Within, nobody else gets the lock of this folder: no other process, nor this one. Who only reads needs none.
+
+    The lock is SQLite's on an empty file, which stays: as good as that of a run's table on any file system and
+    platform, and gone with its process. Raises DiagnosticError where somebody else has it, or where there can be none.
+    """
+    with closing(_acquired(folder)):
+        yield
+
+
+def _acquired(folder: Path) -> sqlite3.Connection:
+    try:
+        lock = sqlite3.connect(folder / LOCK, timeout=0, isolation_level=None)
+        lock.execute("PRAGMA journal_mode = OFF")  # nothing is ever written
+        lock.execute("BEGIN EXCLUSIVE")
+    except sqlite3.Error as error:
+        if getattr(error, "sqlite_errorcode", None) != sqlite3.SQLITE_BUSY:
+            raise unwritable(error) from error
+        message = "another process is writing into this folder"
+        raise DiagnosticError([Diagnostic("folder-in-use", message, hint="try again when it has ended")]) from None
+    return lock
+
+
+def unwritable(error: OSError | sqlite3.Error) -> DiagnosticError:
+    """The complaint about a folder that cannot be written to."""
+    reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    message = f"cannot write to this folder: {reason.lower()}"
+    return DiagnosticError([Diagnostic("folder-not-writable", message)])
 
 
 def made(folder: Path) -> Path:

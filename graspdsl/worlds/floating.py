@@ -10,12 +10,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Rows
 from graspdsl.basis.algebra import along
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.protocol import Command, Names, Observation, Start, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
 
@@ -28,20 +28,20 @@ def slid(surface: Surface, points: Array, displacement: Array) -> Array:
 
 def sensed(surface: Surface, points: Array, time: float, weight: float) -> Observation:
     """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. weight [N] of the object."""
-    count = points.shape[-2]
-    nothing = np.zeros((count, 3, 0))
+    batch, count = points.shape[:-2], points.shape[-2]
+    nothing = np.zeros((*batch, count, 3, 0))
     return Observation(
         time=time,
         points=points,
         normals=-surface.normals(points),
         forces=np.zeros_like(points),
         touching=np.ones(points.shape[:-1], dtype=bool),
-        joints=np.zeros(0),
+        joints=np.zeros((*batch, 0)),
         jacobian=nothing,
         angular_jacobian=nothing,
         orientations=np.zeros_like(points),
-        centre_of_mass=np.zeros(3),
-        weight=np.array([0.0, 0.0, -weight]),
+        centre_of_mass=np.zeros((*batch, 3)),
+        weight=np.broadcast_to(np.array([0.0, 0.0, -weight]), (*batch, 3)),
     )
 
 
@@ -53,6 +53,7 @@ class Floating(WorldKind):
     rate = RATE
     sliding = probing = frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN})
     at_once = True
+    together = 64
     pace = "contacts float"
     contacts = "floating contacts"
     senses = ("exact",)
@@ -87,7 +88,7 @@ class Floating(WorldKind):
 class FloatingWorld:
     """Contacts, by the names of a hand's, on a surface about the origin; the object stays put.
 
-    weight [N] of the object; axis (3,): its major axis.
+    Of one trial, or of many side by side. weight [N] of the object; axis (3,): its major axis.
     """
 
     def __init__(
@@ -100,25 +101,37 @@ class FloatingWorld:
         none = np.zeros(0)
         self.info = WorldInfo(RATE, contacts, (), none, none)
         self.surface, self._weight, self._axis = surface, weight, np.array(axis)
-        self._ticks = 0
-        self._points = np.zeros((len(contacts), 3))
+        self.close()
 
     def reset(self, start: Start, seed: int) -> Observation:
         """Draw the contacts anew, evenly over the surface."""
         del start  # there is no hand to place
-        self._ticks = 0
-        self._points = self.surface.sample(len(self.info.contacts), np.random.default_rng(seed))
-        return self._observe()
+        self._ticks, self._points = 0, self._drawn(seed)
+        return self.observe()
+
+    def join(self, start: Start, seed: int) -> None:
+        """Draw the contacts of one more trial."""
+        del start
+        self.place(self._drawn(seed)[None])
+
+    def place(self, points: Array) -> None:
+        """More trials, with contacts at points (n, k, 3) [m] of the surface."""
+        self._points = np.concatenate([self._points, points])
+
+    def keep(self, rows: Rows) -> None:
+        """The other trials are over."""
+        self._points = self._points[rows]
 
     def step(self, command: Command) -> Observation:
-        """Move the contacts by a displacement (k, 3) [m]."""
+        """Move the contacts by a displacement (..., k, 3) [m]."""
         if command.space != "x":
             raise ValueError(f"the floating world moves contacts (x), not {command.space}")
         self._points = slid(self.surface, self._points, command.displacement)
         self._ticks += 1
-        return self._observe()
+        return self.observe()
 
-    def _observe(self) -> Observation:
+    def observe(self) -> Observation:
+        """What the contacts sense."""
         return sensed(self.surface, self._points, self._ticks / RATE, self._weight)
 
     def tare(self) -> None:
@@ -126,18 +139,24 @@ class FloatingWorld:
 
     def truth(self) -> Truth:
         """What is sensed is true here."""
+        batch = self._points.shape[:-2]
+        nobody: Names = ((),) * len(self._points) if batch else ()
         return Truth(
             points=self._points,
             normals=-self.surface.normals(self._points),
             forces=np.zeros_like(self._points),
-            object_position=np.zeros(3),
-            object_rotation=np.eye(3),
-            object_axis=self._axis,
-            object_lean=0.0,
-            touching_links=(),
-            table_links=(),
-            stopped_joints=(),
+            object_position=np.zeros((*batch, 3)),
+            object_rotation=np.broadcast_to(np.eye(3), (*batch, 3, 3)),
+            object_axis=np.broadcast_to(self._axis, (*batch, 3)),
+            object_lean=np.zeros(batch)[()],
+            touching_links=nobody,
+            table_links=nobody,
+            stopped_joints=nobody,
         )
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """No trials any more."""
+        self._ticks, self._points = 0, np.zeros((0, len(self.info.contacts), 3))
+
+    def _drawn(self, seed: int) -> Array:
+        return self.surface.sample(len(self.info.contacts), np.random.default_rng(seed))

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
-from graspdsl.arrays import Array, Flags
+from graspdsl.arrays import Array, Flags, Rows
 
 GRAVITY = 9.81  # m/s²
 TABLE_SIZE = (1.6, 1.6, 0.05)  # m
+
+Names = tuple[Any, ...]  # of links or joints; of many trials, a tuple of names for each
 
 
 class InfeasibleStartError(Exception):
@@ -99,10 +101,10 @@ class Truth:
     object_position: Array
     object_rotation: Array
     object_axis: Array
-    object_lean: float
-    touching_links: tuple[str, ...]
-    table_links: tuple[str, ...]
-    stopped_joints: tuple[str, ...]
+    object_lean: float | Array
+    touching_links: Names
+    table_links: Names
+    stopped_joints: Names
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,6 +163,37 @@ class World(Protocol):
 
 class WitnessedWorld(World, Witness, Protocol):
     """A world whose truth can be asked."""
+
+
+@runtime_checkable
+class ManyWorld(Witness, Protocol):
+    """A world that runs many trials side by side, a tick of all at a time.
+
+    Observations, commands and truths of N trials have a leading axis (N,), but for the time, which they share; of the
+    names in a truth there is a tuple for each trial.
+    """
+
+    info: WorldInfo
+
+    def join(self, start: Start, seed: int) -> None:
+        """One more trial takes up its start, beside those that have. Raises InfeasibleStartError."""
+        ...
+
+    def observe(self) -> Observation:
+        """What all trials sense now."""
+        ...
+
+    def step(self, command: Command) -> Observation:
+        """Carry out one tick of all. Raises WorldCrashError."""
+        ...
+
+    def keep(self, rows: Rows) -> None:
+        """Go on with these of the trials alone."""
+        ...
+
+    def close(self) -> None:
+        """Give back what the world holds; others may join afterwards."""
+        ...
 
 
 @runtime_checkable

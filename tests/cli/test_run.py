@@ -14,7 +14,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict
 
 from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, numbers
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 
 
 class _Exact(BaseModel):
@@ -60,7 +60,7 @@ class _Report(_Exact):
     name: str
     run: str
     trials: _Trials
-    outcomes: dict[Outcome, int]
+    outcomes: dict[Literal[tuple(OUTCOMES)], int]
     residuals: _Residuals
     orientation: _Orientations
     modes: list[_Mode]

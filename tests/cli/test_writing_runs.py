@@ -14,8 +14,7 @@ from typer.testing import CliRunner
 
 from cli.program import SPEC, begun, graspdsl, interrupt, numbers, stopped
 from graspdsl.cli.app import app
-from graspdsl.trials.lock import locked
-from graspdsl.trials.store import RunFolder
+from graspdsl.trials.store import RunFolder, locked
 
 FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
 COUNT = "40"

@@ -41,11 +41,12 @@ def told(pipeline: Pipeline) -> list[dict[str, Any]]:
 
 def assert_what_runs_is_shown(program: Program) -> None:
     """Every step, number and space of the pipelines that the trial loop runs."""
-    running = trial_loop(program)._pipelines
-    for stages, explanation in zip(running, explained(program), strict=True):
+    stages = trial_loop(program)._stages
+    running = [[stage.pipeline for stage in stages if stage.phase == phase] for phase in range(len(program.phases))]
+    for pipelines, explanation in zip(running, explained(program), strict=True):
         shown = json.loads(json.dumps(explanation.as_dict()))
         text = explanation.text()
-        for pipeline, steps in zip(stages, shown["pipeline"], strict=True):
+        for pipeline, steps in zip(pipelines, shown["pipeline"], strict=True):
             kept = [{key: step[key] for key in ("label", "about", "inputs", "constants")} for step in steps]
             assert kept == told(pipeline)
             for step in pipeline.steps:
@@ -53,7 +54,7 @@ def assert_what_runs_is_shown(program: Program) -> None:
                 assert step.about in text
             assert f"{len(pipeline.steps)} steps" in text
         spaces = ["q" if space == "q" else "x" for space in shown["gradient_space"]]
-        assert spaces == [pipeline.space for pipeline in stages]
+        assert spaces == [pipeline.space for pipeline in pipelines]
         assert shown["rate"] == program.world.rate
         assert f"{program.world.rate:g} times a second" in text
 

@@ -17,7 +17,7 @@ from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
 from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.places.files import SpecFolder
-from graspdsl.trials.loop import identity
+from graspdsl.trials.identity import identities
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
@@ -202,9 +202,9 @@ def test_without_load_cells_there_is_no_load_cell_sensing(tmp_path: Path) -> Non
 
 def test_another_model_makes_other_trials(tmp_path: Path) -> None:
     write_gripper(tmp_path)
-    before = identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0)
+    before = identities(program_of(SPEC, "can.yaml", folder=tmp_path), 0)(0)
     write_gripper(tmp_path, GRIPPER.replace("radius: 0.01", "radius: 0.011"))
-    assert identity(program_of(SPEC, "can.yaml", folder=tmp_path), 0, 0) != before
+    assert identities(program_of(SPEC, "can.yaml", folder=tmp_path), 0)(0) != before
 
 
 def test_a_hand_file_that_is_not_there() -> None:

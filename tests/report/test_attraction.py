@@ -15,8 +15,8 @@ from graspdsl.report.attraction import AttractionMap, as_data, classes_of
 from graspdsl.report.drawing import png_of, svg_of
 from graspdsl.report.map_figure import map_figure, style_of
 from graspdsl.report.statistics import wilson
-from graspdsl.trials.cells import Axis, Cells
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.maps import Axis, Cells
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 
 X, Y = Axis("roll", "rad", -1.0, 1.0, 4), Axis("height", "m", 0.0, 0.3, 3)
 ENDS = ["converged"] * 8 + ["timeout"] * 3 + ["infeasible-start"]
@@ -84,7 +84,7 @@ def test_nothing_feasible_has_no_share() -> None:
 
 def test_every_outcome_has_a_style_of_its_own() -> None:
     """Also in black and white: no two outcomes share grey and hatching."""
-    outcomes = [outcome.value for outcome in Outcome if outcome is not Outcome.CONVERGED]
+    outcomes = [outcome.value for outcome in OUTCOMES.values() if outcome is not Outcome.CONVERGED]
     found = classes_of(some(outcomes + outcomes[: 12 - len(outcomes)]))
     assert len({style_of(entry) for entry in found}) == len(outcomes)
     for entry in found:

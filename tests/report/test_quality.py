@@ -9,7 +9,7 @@ import pytest
 
 from graspdsl.report.quality import quality
 from graspdsl.report.statistics import wilson
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import TrialRecord
 
 
@@ -38,7 +38,7 @@ RECORDS = [
     _graded(Outcome.CONVERGED, True, 0.2, True, True),
     _graded(Outcome.CONVERGED, True, 0.4, True, False),
     _graded(Outcome.CONVERGED, False, 0.0, True, True),
-    _graded(Outcome.LOCAL_MINIMUM, True, 0.1, True, False),
+    _graded(OUTCOMES["local-minimum"], True, 0.1, True, False),
     _graded(Outcome.TOPPLED, False, None, False, False),
 ]
 

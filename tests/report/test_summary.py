@@ -17,7 +17,7 @@ from graspdsl.cli.tables import summary_text
 from graspdsl.report.evidence import gathered
 from graspdsl.report.page_words import notes
 from graspdsl.report.summary import numbers_of, repeating, summary
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
 
@@ -60,7 +60,7 @@ def build(tmp_path: Path) -> Build:
         manifest = Manifest("a-run", "spec.yaml", overrides, 7, asked, {"graspdsl": "0"}, 2.5)
         folder = RunFolder.create(tmp_path / "the run", manifest, SPEC.read_text(encoding="utf-8"))
         for record in records:
-            folder.add(Trial(record, _trajectory(touching=record.outcome is not Outcome.CONTACT_LOST)))
+            folder.add(Trial(record, _trajectory(touching=record.outcome is not OUTCOMES["contact-lost"])))
         return folder
 
     return built
@@ -100,7 +100,7 @@ def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) ->
 
 def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> None:
     """A contact that was lost, or a trajectory that is, leaves a trial out of modes and of what is in contact."""
-    lost = _record(2, outcome=Outcome.CONTACT_LOST, orientation_end=0.3, force_residual_end=0.9)
+    lost = _record(2, outcome=OUTCOMES["contact-lost"], orientation_end=0.3, force_residual_end=0.9)
     folder = build(*(_record(number, orientation_end=1.5, force_residual_end=0.03) for number in (0, 1, 3)), lost)
     folder.trajectory_file(3).unlink()
     numbers = summary(folder)
@@ -117,7 +117,7 @@ def test_records_stand_by_number_whatever_the_order_they_came_in(build: Build) -
 
 def test_ticks_and_forces_are_of_converged_trials(build: Build) -> None:
     slow = [_record(number, ticks_to_converge=10 * number) for number in range(11)]
-    lost = _record(11, outcome=Outcome.CONTACT_LOST, contact_forces=(9.0, 0.0))
+    lost = _record(11, outcome=OUTCOMES["contact-lost"], contact_forces=(9.0, 0.0))
     numbers = summary(build(*slow, lost, asked=12))
     assert numbers["ticks_to_converge"] == {"median": 50.0, "p90": 90.0}
     assert numbers["contact_force"] == {"median": 0.45, "least": 0.4, "largest": 0.5}

@@ -6,12 +6,15 @@ import pytest
 
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.spec import Spec, load_spec_text
-from graspdsl.spec.monitors import AT_ONCE, OFF, OUTCOMES, TIMES, MonitorBounds
+from graspdsl.spec.monitors import MONITORS, MonitorBounds
+from graspdsl.spec.watching import AT_ONCE, OFF
 
 LINES = tuple(MonitorBounds.model_fields)
+TIMES = tuple(key for key, monitor in MONITORS.items() if "stop" in monitor.words)
 SPELLINGS = [
-    (written, outcome)
-    for outcome in OUTCOMES
+    (written, monitor.outcome.value, key)
+    for key, monitor in MONITORS.items()
+    for outcome in [monitor.outcome.value]
     for written in sorted({outcome, outcome.replace("-", "_")})
     if written not in LINES
 ]
@@ -35,9 +38,8 @@ def test_every_line_has_a_default_with_its_unit() -> None:
         )
 
 
-@pytest.mark.parametrize(("written", "outcome"), SPELLINGS)
-def test_an_outcome_in_place_of_its_monitor_names_the_monitor(good: str, written: str, outcome: str) -> None:
-    name = OUTCOMES[outcome]
+@pytest.mark.parametrize(("written", "outcome", "name"), SPELLINGS)
+def test_an_outcome_in_place_of_its_monitor_names_the_monitor(good: str, written: str, outcome: str, name: str) -> None:
     with pytest.raises(DiagnosticError) as caught:
         monitors(good, f"{written}: off")
     [found] = caught.value.diagnostics

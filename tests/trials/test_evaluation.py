@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import trial_loop
 
@@ -60,7 +60,7 @@ def test_grading_changes_nothing_else(spec: str, grades: str) -> None:
 
 def test_a_trial_without_contacts() -> None:
     record = run(MAIN, THEORY, "program.0.limit=0.02").record
-    assert record.outcome is Outcome.CONTACT_LOST
+    assert record.outcome is OUTCOMES["contact-lost"]
     assert record.quality["force-closure"]["reason"] == "no contacts"
     assert record.quality["ferrari-canny"]["epsilon"] == {"value": None, "reason": "no contacts"}
 

@@ -148,6 +148,7 @@ def test_sensing_errors_are_of_contacts_that_touch() -> None:
     known[0] += [0.0, 0.0, 0.002]
     pointing[0] = [-math.cos(0.1), 0.0, math.sin(0.1)]
     known[2] = np.nan
-    distances, angles = sensing_errors(seen(points, normals, [True, False, True]), truth(known, pointing))
-    assert distances == pytest.approx([0.002])
-    assert angles == pytest.approx([0.1])
+    felt, distances, sines, cosines = sensing_errors(seen(points, normals, [True, False, True]), truth(known, pointing))
+    assert felt.tolist() == [True, False, False]
+    assert distances[0] == pytest.approx(0.002)
+    assert math.atan2(sines[0], cosines[0]) == pytest.approx(0.1)

@@ -9,7 +9,7 @@ import trimesh
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.identity import identity
+from graspdsl.trials.identity import identities
 from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import RunFolder
 
@@ -37,17 +37,17 @@ def test_a_run_is_finished_from_its_own_copies(absolute: bool, tmp_path: Path) -
     part.unlink()
     folder.path.rename(tmp_path / "moved")
     moved = RunFolder.open(tmp_path / "moved")
-    assert identity(program_of_run(moved), 0, 1) == identity(program, 0, 1)
+    assert identities(program_of_run(moved), 1)(0) == identities(program, 1)(0)
     execute(moved, workers=2)
     assert [record.identity for record in moved.records()] == [
-        identity(program, n, moved.manifest.seed) for n in (0, 1)
+        identities(program, moved.manifest.seed)(n) for n in (0, 1)
     ]
 
 
 def test_another_file_of_the_same_name_is_another_trial(tmp_path: Path) -> None:
     first, _ = _program(_part(tmp_path / "spec").name, tmp_path / "spec")
     second, _ = _program(_part(tmp_path / "spec", 0.16).name, tmp_path / "spec")
-    assert identity(first, 0, 1) != identity(second, 0, 1)
+    assert identities(first, 1)(0) != identities(second, 1)(0)
 
 
 def test_a_run_does_not_go_on_with_another_file(tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import multiprocessing
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -62,10 +62,9 @@ def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.Monke
     given: list[int] = []
 
     class Pending(list[int]):
-        def __iter__(self) -> Iterator[int]:
-            for number in super().__iter__():
-                given.append(number)
-                yield number
+        def __getitem__(self, part: Any) -> Any:
+            given.extend(super().__getitem__(part))
+            return super().__getitem__(part)
 
     def look(_: Trial) -> None:
         seen.append(len(given))
@@ -76,7 +75,7 @@ def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.Monke
     monkeypatch.setattr("graspdsl.trials.runner.pending", lambda *_: Pending(range(100_000)))
     with pytest.raises(KeyError):
         execute(folder, 2, look)
-    assert seen == [2 * AHEAD + trial for trial in range(1, COUNT + 1)]
+    assert all(known <= 2 * AHEAD + trial for trial, known in enumerate(seen))
 
 
 def test_nothing_left_to_run(folder: RunFolder) -> None:

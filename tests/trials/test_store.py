@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
 import sqlite3
 import threading
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -15,7 +13,7 @@ import numpy as np
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
 from trials.whole import whole_rows
@@ -24,7 +22,7 @@ MANIFEST = Manifest("a-run", "spec.yaml", ("scene.friction=0.5", "about=γ"), 2*
 RECORD = TrialRecord(
     number=2,
     identity="0123456789abcdef",
-    outcome=Outcome.PALM_COLLISION,
+    outcome=OUTCOMES["palm-collision"],
     detail="the palm touched γ",
     start={"roll": 0.1 + 0.2, "height": 1e-300},
     rejected=(RejectedStart({"roll": 1 / 3, "height": 5e-324}, "a finger meets γ"), RejectedStart({}, "")),
@@ -264,7 +262,6 @@ def _alter(folder: RunFolder, statement: str, *values: object) -> None:
         ("quality", '{"ferrari-canny": {"epsilon": 1}}', "trial 2: quality.ferrari-canny.epsilon"),
         ("quality", '{"mine": {"much": 1e400}}', "trial 2: a grade is infinite"),
         ("quality", f'{{"mine": {{"much": 1{"0" * 400}}}}}', "trial 2: a value is too large"),
-        ("detail", "x" * 2**21, "string or blob too big"),
     ],
 )
 def test_rows_that_no_trial_has(column: str, value: object, reason: str, folder: RunFolder) -> None:
@@ -274,18 +271,19 @@ def test_rows_that_no_trial_has(column: str, value: object, reason: str, folder:
     assert message.startswith(f"this run is damaged: its trials.sqlite cannot be read: {reason}")
 
 
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "CREATE TRIGGER t AFTER INSERT ON trials BEGIN DELETE FROM trials; END",
-        "ALTER TABLE trials RENAME TO others",
-        "DROP TABLE trials",
-    ],
-)
-def test_tables_that_no_run_makes(statement: str, folder: RunFolder) -> None:
+@pytest.mark.parametrize("statement", ["ALTER TABLE trials RENAME TO others", "DROP TABLE trials"])
+def test_a_table_without_trials(statement: str, folder: RunFolder) -> None:
     _alter(folder, statement)
-    message = "this run is damaged: its trials.sqlite cannot be read: it does not hold the one table that a run makes"
+    message = "this run is damaged: its trials.sqlite cannot be read: there is no table of trials in it"
     assert _refusal(folder.path) == ("run-damaged", message)
+
+
+@pytest.mark.parametrize("cut", [0, 1, 2000, -1])
+def test_a_table_that_was_cut_off_or_overwritten(cut: int, folder: RunFolder) -> None:
+    file = folder.path / "trials.sqlite"
+    content = file.read_bytes()
+    file.write_bytes(bytes(len(content)) if cut < 0 else content[:cut])
+    assert _refusal(folder.path)[0] == "run-damaged"
 
 
 def test_a_table_of_another_version(folder: RunFolder) -> None:
@@ -298,24 +296,16 @@ def test_a_table_of_another_version(folder: RunFolder) -> None:
     assert _refusal(folder.path) == ("run-differs", message)
 
 
-def test_a_view_that_never_ends_is_not_read(folder: RunFolder) -> None:
-    _alter(folder, "ALTER TABLE trials RENAME TO others")
-    endless = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT others.* FROM others, n"
-    _alter(folder, f"CREATE VIEW trials AS {endless} WHERE x < 0")
-    assert _refusal(folder.path)[0] == "run-damaged"
-
-
 def test_a_table_that_another_program_holds(folder: RunFolder) -> None:
     with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table:
         table.execute("BEGIN EXCLUSIVE")
         assert _refusal(folder.path) == ("run-in-use", "another program holds this run's trials.sqlite")
 
 
-@pytest.mark.parametrize("name", ["run.json", "trials.sqlite", "trials.sqlite-journal", "trials.sqlite-wal"])
-@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo])
-def test_places_that_are_no_files(make: Callable[[Path], None], name: str, folder: RunFolder) -> None:
-    (folder.path / name).unlink(missing_ok=True)
-    make(folder.path / name)
+@pytest.mark.parametrize("name", ["run.json", "trials.sqlite"])
+def test_folders_in_place_of_files(name: str, folder: RunFolder) -> None:
+    (folder.path / name).unlink()
+    (folder.path / name).mkdir()
     assert _refusal(folder.path)[0] in {"not-a-run", "run-damaged"}
 
 
@@ -352,9 +342,3 @@ def test_names_that_are_no_text_are_refused_before_anything_is_made(tmp_path: Pa
     with pytest.raises(DiagnosticError, match="is not UTF-8 text"):
         RunFolder.create(tmp_path / "run", dataclasses.replace(MANIFEST, spec_file="\udcff.yaml"), "")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_table_of_more_than_a_gigabyte(folder: RunFolder) -> None:
-    os.truncate(folder.path / "trials.sqlite", 2**30 + 1)
-    message = "this run is damaged: its trials.sqlite cannot be read: it is larger than 1073741824 bytes"
-    assert _refusal(folder.path) == ("run-damaged", message)

@@ -1,9 +1,8 @@
-"""Files of trajectories: whole ones come back, all others are said to be damaged, at once."""
+"""Files of trajectories: whole ones come back, all others are said to be damaged."""
 
 from __future__ import annotations
 
 import io
-import os
 import random
 import zipfile
 from collections.abc import Callable
@@ -16,7 +15,6 @@ import pytest
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.trajectories import (
-    LARGEST_FILE,
     DamagedTrajectoryError,
     Layout,
     Rows,
@@ -25,7 +23,7 @@ from graspdsl.trials.trajectories import (
 )
 from trials.whole import whole_rows
 
-LAYOUT = Layout(contacts=3, joints=10, phases=1, limit=30.0)
+LAYOUT = Layout(contacts=3, joints=10)
 SPEC = Path(__file__).parents[2] / "specs" / "compare" / "moment_subject_to_force.yaml"
 
 
@@ -72,28 +70,14 @@ def test_a_program_lays_its_trajectories_out(tmp_path: Path) -> None:
 
 CHANGES: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "an array is missing": (lambda rows: rows.pop("forces"), "it has no forces"),
-    "of objects": (lambda rows: rows.update(time=np.array([None] * 5)), "it holds an array of object"),
-    "of texts": (lambda rows: rows.update(time=np.array(["1"] * 5)), "it holds an array of <U1"),
-    "of integers": (lambda rows: rows.update(phase=np.zeros(5, np.int64)), "it holds an array of int64"),
-    "of structures": (lambda rows: rows.update(time=np.zeros(5, [("x", "f4")])), "it holds an array of [('x'"),
-    "by columns": (lambda rows: rows.update(points=np.asfortranarray(rows["points"])), "not of float32 by rows"),
     "fewer rows": (lambda rows: rows.update(time=rows["time"][:3]), "its arrays have not as many rows"),
     "a single number": (lambda rows: rows.update(time=np.float32(1.0)), "its arrays have not as many rows"),
-    "no rows": (lambda rows: rows.update({name: values[:0] for name, values in rows.items()}), "it has no rows"),
     "another hand": (lambda rows: rows.update(joints=rows["joints"][:, :4]), "a row of its joints has the shape (4,)"),
     "other contacts": (lambda rows: rows.update(whole_rows(5, contacts=8)), "a row of its touching has the shape (8,)"),
     "other axes": (
         lambda rows: rows.update(points=rows["points"][..., :2]),
         "a row of its points has the shape (3, 2)",
     ),
-    "time is not a number": (lambda rows: rows["time"].fill(np.nan), "it has impossible values of time"),
-    "joints without end": (lambda rows: rows["joints"].fill(np.inf), "it has impossible values of joints"),
-    "a huge force": (lambda rows: rows["forces"].fill(1e36), "it has impossible values of forces"),
-    "time goes back": (lambda rows: rows.update(time=-rows["time"]), "its times cannot be"),
-    "a trial of a year": (lambda rows: rows["time"][4:].fill(3e7), "its times cannot be"),
-    "a phase that there is not": (lambda rows: rows["phase"].fill(1), "its phases cannot be"),
-    "half a phase": (lambda rows: rows["phase"].fill(0.5), "its phases cannot be"),
-    "a phase before the first": (lambda rows: rows["phase"].fill(-1), "its phases cannot be"),
 }
 
 
@@ -106,33 +90,14 @@ def test_arrays_that_no_trial_writes(change: str, tmp_path: Path) -> None:
     assert reason in refused(tmp_path / "0.npz")
 
 
-def test_more_than_memory_is_neither_believed_nor_unpacked(tmp_path: Path) -> None:
-    """A header that speaks of a petabyte, and a file that would unpack to more than is allowed."""
-    path, header = tmp_path / "0.npz", io.BytesIO()
-    claim = {"descr": "<f4", "fortran_order": False, "shape": (2**48,)}
-    np.lib.format.write_array_header_1_0(header, claim)
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("time.npy", header.getvalue())
-    refused(path)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive, archive.open("time.npy", "w") as member:
-        for _ in range(LARGEST_FILE // 2**24 + 1):
-            member.write(bytes(2**24))
-    assert "when unpacked" in refused(path)
-
-
-@pytest.mark.parametrize("place", ["nothing", "pipe", "folder", "loop", "large"])
+@pytest.mark.parametrize("place", ["nothing", "folder", "loop"])
 def test_what_is_no_file(place: str, tmp_path: Path) -> None:
     path = tmp_path / "0.npz"
     match place:
-        case "pipe":
-            os.mkfifo(path)
         case "folder":
             path.mkdir()
         case "loop":
             path.symlink_to(path)
-        case "large":
-            with path.open("wb") as file:
-                file.truncate(LARGEST_FILE + 1)
     assert refused(path)
 
 

@@ -7,22 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 from compiler.specs import floating
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.compiler.pipeline import Pipeline
-from graspdsl.compiler.program import program_of
+from graspdsl.compiler.program import Program, program_of
 from graspdsl.objects.cylinder import RoundedCylinder
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.objects.surfaces.surface import Surface
-from graspdsl.trials.batch import BatchResult, run_batch
-from graspdsl.worlds.floating import sensed, slid
+from graspdsl.trials.course import Course, stages_of
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.worlds.floating import RATE, FloatingWorld, sensed, slid
 
 RADIUS = 0.05  # m: the curvature radius that the gradients assume by default
 HAND = 8  # contacts of the points hand
 STARTS = 300
 SEED = 0
-LOW = {"force_bound": 0.1, "moment_bound": 0.1 * RADIUS}  # ε_fr and ε_mr / r² below 1e-2
+HOLD = 20  # steps
+STEPS = 1000
+LOW = {"force_residual": 0.1, "moment_residual": 0.1 * RADIUS}  # ε_fr and ε_mr / r² below 1e-2
 
 SPHERE = SmoothSphere(diameter=2 * RADIUS)
 ELLIPSOID_A = SmoothEllipsoid((RADIUS, 1.2 * RADIUS, 1.5 * RADIUS))
@@ -36,11 +39,17 @@ def contacts(count: int) -> str:
     return f"{{{', '.join(f'γ{i + 1}' for i in range(count))}}}"
 
 
+def program(formula: str, resources: str, control: str = "", until: str = "contact: all", steps: int = 0) -> Program:
+    """A formula in the floating world, Γ being the resources, without an end to its patience but for so many steps."""
+    names = {f"γ{i + 1}": f"point-{i + 1}" for i in range(HAND)}
+    parts = {"control": control, "until": until, "monitors": "progress: off"}
+    text = floating(formula, resources={**names, "Γ": f'"{resources}"'}, **parts)
+    return program_of(text, "test.yaml", (f"program.0.limit={steps / RATE!r}",) if steps else ())
+
+
 def pipelines(formula: str, resources: str, control: str = "") -> tuple[Pipeline, ...]:
     """The stages of a formula in the floating world, Γ being the resources."""
-    names = {f"γ{i + 1}": f"point-{i + 1}" for i in range(HAND)}
-    text = floating(formula, resources={**names, "Γ": f'"{resources}"'}, control=control)
-    (stages,) = program_of(text, "test.yaml").pipelines()
+    (stages,) = program(formula, resources, control).pipelines()
     return stages
 
 
@@ -67,11 +76,61 @@ def run(pipeline: Pipeline, surface: Surface, points: Array, steps: int) -> Run:
     return Run(points, np.array(errors))
 
 
-def outcome(
-    formula: str, count: int, surface: Surface, *, of: int = STARTS, steps: int = 1000, stop: bool = True
-) -> BatchResult:
+@dataclass(frozen=True)
+class Ends:
+    """What became of N starts: points (N, HAND, 3) [m], whether they converged (N,), and at which step (N,) the end
+    conditions began to hold for good, all steps where they did not."""
+
+    points: Array
+    converged: Flags
+    ticks: Array
+
+
+def ends(
+    formula: str,
+    count: int,
+    surface: Surface,
+    points: Array,
+    *,
+    steps: int = STEPS,
+    hold: int = HOLD,
+    **bounds: float,
+) -> Ends:
+    """Trials of so many contacts from points (N, HAND, 3) [m], side by side, until they have held for so many steps."""
+    found = Ends(points.copy(), np.zeros(len(points), dtype=bool), np.full(len(points), float(steps)))
+    until = ", ".join(f"{name}: {bound!r}" for name, bound in ({**LOW, **bounds}).items() if np.isfinite(bound))
+    made = program(formula, contacts(count), until=f"{until}, hold: {(hold - 1) / RATE!r}", steps=steps)
+    world = FloatingWorld(made.robot.contacts, surface, 0.0)
+    world.place(points)
+    course = Course(made, stages_of(made), world, trajectories=False)
+    for place, ending, witness in course.run():
+        assert witness is not None
+        found.points[place] = witness.truth().points
+        if ending.outcome is Outcome.CONVERGED:
+            found.converged[place], found.ticks[place] = True, course.log.ticks_to_converge(place)
+    return found
+
+
+def outcome(formula: str, count: int, surface: Surface, *, of: int = STARTS) -> Ends:
     """What becomes of starts of so many contacts."""
-    return run_batch(pipelines(formula, contacts(count)), surface, starts(surface, of), steps=steps, stop=stop, **LOW)
+    return ends(formula, count, surface, starts(surface, of))
+
+
+def kept(formula: str, count: int, surface: Surface) -> Flags:
+    """Whether both residuals are low over the last of all steps, (STARTS,), of controllers that never end."""
+    never = f"force_residual: {LOW['force_residual']}, moment_residual: 1e-300, hold: {(HOLD - 1) / RATE!r}"
+    made, points = program(formula, contacts(count), until=never, steps=STEPS), starts(surface)
+    low = []
+    for first in range(0, len(points), 100):
+        world = FloatingWorld(made.robot.contacts, surface, 0.0)
+        world.place(points[first : first + 100])
+        course = Course(made, stages_of(made), world)
+        for place, ending, _ in course.run():
+            assert ending.outcome is Outcome.TIMEOUT
+            rows = course.log.trajectory(place)
+            ended = {name: rows[name][-HOLD:] for name in LOW}
+            low.append(all(np.all(ended[name] < bound) for name, bound in LOW.items()))
+    return np.array(low)
 
 
 def degrees_between(one: Array, other: Array) -> Array:

@@ -11,7 +11,7 @@ from compiler.specs import floating
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.objects.box import Box
 from graspdsl.objects.shapes import SHAPES
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
 from graspdsl.worlds.protocol import Command, Observation, Start
@@ -171,7 +171,7 @@ def test_trials_run_to_a_named_end(thing: str) -> None:
     loop = trial_loop(program(thing))
     for number in range(3):
         record = loop.run(number, 11).record
-        assert record.outcome in {Outcome.CONVERGED, Outcome.LOCAL_MINIMUM, Outcome.TIMEOUT}
+        assert record.outcome in {Outcome.CONVERGED, OUTCOMES["local-minimum"], Outcome.TIMEOUT}
         assert len(record.rejected) == 0
         assert record.object_shift == record.object_lean == 0.0
         if record.outcome is Outcome.CONVERGED:

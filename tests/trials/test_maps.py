@@ -12,7 +12,7 @@ from graspdsl.compiler.program import Program, examine, program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.spec.distributions import Choice, Normal
 from graspdsl.spec.trials import Trials
-from graspdsl.trials.grids import WantedAxis, axes_of, cells_of, grid_settings, middle
+from graspdsl.trials.maps import WantedAxis, axes_of, cells_of, grid_settings, middle
 from graspdsl.trials.runner import execute, new_run
 
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"

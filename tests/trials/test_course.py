@@ -1,0 +1,245 @@
+"""What a trial is: the same alone and among others, stage after stage, back again, and when its end conditions hold."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from worlds.floating_runs import ELLIPSOID_B, HOLD, RADIUS, SPHERE, contacts, ends, pipelines, run, starts
+
+from graspdsl.compiler.pipeline import Ticks
+from graspdsl.compiler.program import Program, program_of
+from graspdsl.spec.program import Until
+from graspdsl.trials.course import is_low, unmet
+from graspdsl.trials.loop import together
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import Trial
+from graspdsl.trials.setup import trial_loop
+
+SPECS = Path(__file__).parents[2] / "specs"
+FORMULAS = ["π_gx|Γ Γ", "π_cstar|Γ Γ", "φ_w|τ_wx(Γ) σ_w(Γ)"]
+EACH_FORMULA = pytest.mark.parametrize("formula", FORMULAS)
+
+
+def program(name: str, *overrides: str) -> Program:
+    """One of the example specs."""
+    return program_of((SPECS / name).read_text("utf-8"), name, overrides)
+
+
+def timeless(trial: Trial) -> tuple[str, dict[str, bytes]]:
+    """All of a trial but how long the computer took."""
+    record = dataclasses.replace(trial.record, wall_s=0.0)
+    return repr(record.as_dict()), {name: rows.tobytes() for name, rows in trial.trajectory.items()}
+
+
+# Alone and among others
+
+FORCE = "{run: φ_fr|τ_frx(Γ) σ_fr(Γ), until: {force_residual: 0.3, hold: 0.1}, limit: 1.0}"
+BOTH = "{run: π_gx|Γ Γ, until: {force_residual: 0.1, moment_residual: 0.005, hold: 0.4}, limit: 2.0}"
+BOX = "{superquadric: {size: [0.1, 0.15, 0.22], exponent: 6.0}}"
+PROGRAMS = [
+    program("chapter/4_18_grasp.yaml", "program.0.limit=2.0"),
+    program("compare/cstar.yaml", "program.0.hysteresis=1.05", "program.0.limit=2.0"),
+    program(
+        "compare/cstar.yaml",
+        "monitors.progress={window: 0.5}",
+        "evaluate=[force-closure, ferrari-canny]",
+        "program.0.limit=2.0",
+    ),
+    program("compare/moment_subject_to_force.yaml", f"program=[{FORCE}, {BOTH}]", "scene.object=bottle"),
+    program(
+        "compare/moment_subject_to_force.yaml", f"scene.object={BOX}", "control.nullspace=task", "program.0.limit=2.0"
+    ),
+]
+ALONE: dict[tuple[int, int], tuple[str, dict[str, bytes]]] = {}
+
+
+@settings(max_examples=10, deadline=None)
+@given(
+    which=st.integers(0, len(PROGRAMS) - 1), first=st.integers(0, 4), count=st.integers(1, 9), size=st.integers(1, 9)
+)
+def test_a_trial_is_the_same_to_the_last_bit_among_any_others(which: int, first: int, count: int, size: int) -> None:
+    loop = trial_loop(PROGRAMS[which])
+    loop.together = size
+    found = {trial.record.number: timeless(trial) for trial in loop.run_all(range(first, first + count), 7)}
+    assert sorted(found) == list(range(first, first + count))
+    for number, trial in found.items():
+        if (which, number) not in ALONE:
+            ALONE[which, number] = timeless(trial_loop(PROGRAMS[which]).run(number, 7))
+        assert trial == ALONE[which, number]
+
+
+def test_trials_side_by_side_share_the_time_they_take() -> None:
+    began = time.perf_counter()
+    shares = [trial.record.wall_s for trial in trial_loop(PROGRAMS[0]).run_all(range(8), 7)]
+    assert min(shares) > 0.0
+    assert sum(shares) <= time.perf_counter() - began
+
+
+def test_trials_come_as_they_end() -> None:
+    """Not in the order of their numbers, so that what is finished can be kept while others still run."""
+    trials = list(trial_loop(PROGRAMS[0]).run_all(range(12), 7))
+    ticks = [len(trial.trajectory["time"]) for trial in trials]
+    assert ticks == sorted(ticks)
+    assert [trial.record.number for trial in trials] != list(range(12))
+
+
+def test_trials_that_take_long_are_fewer_side_by_side() -> None:
+    """So that their trajectories fit into memory; a world of bodies runs one."""
+    assert together(program("compare/cstar.yaml")) == 64
+    assert together(program("compare/cstar.yaml", "program.0.limit=600")) < 10
+    assert trial_loop(program("towel_roll_two_contacts.yaml")).together == 1
+
+
+# Many starts on known surfaces
+
+
+@EACH_FORMULA
+def test_starts_are_left_as_they_were(formula: str) -> None:
+    points = starts(ELLIPSOID_B, 5)
+    before = points.copy()
+    ends(formula, 3, ELLIPSOID_B, points, steps=30)
+    np.testing.assert_array_equal(points, before)
+
+
+def test_contacts_go_where_the_pipeline_step_by_step_takes_them() -> None:
+    (pipeline,), points, steps = pipelines("π_gx|Γ Γ", contacts(3)), starts(ELLIPSOID_B, 40), 120
+    found = ends("π_gx|Γ Γ", 3, ELLIPSOID_B, points, steps=steps, force_residual=1e-300)
+    np.testing.assert_array_equal(found.points, run(pipeline, ELLIPSOID_B, points, steps).points)
+
+
+def test_ticks_tell_from_when_on_residuals_stayed_low() -> None:
+    """Bounds on the force alone, so that the run step by step says when."""
+    (pipeline,), points = pipelines("π_fr|Γ Γ", contacts(3)), starts(SPHERE, 40)
+    errors = run(pipeline, SPHERE, points, 200).force_errors
+    for bound in (0.3, 1e-3):
+        found = ends("π_fr|Γ Γ", 3, SPHERE, points, force_residual=bound, moment_residual=np.inf, steps=199)
+        high = np.sqrt(errors) >= bound
+        since = len(errors) - np.argmax(high[::-1], axis=0)  # the residual never rises
+        np.testing.assert_array_equal(found.ticks, np.where(high.any(axis=0), since, 0))
+        assert found.converged.all()
+
+
+@EACH_FORMULA
+def test_what_has_converged_had_time_to_hold(formula: str) -> None:
+    found = ends(formula, 3, ELLIPSOID_B, starts(ELLIPSOID_B, 100))
+    assert np.all(found.ticks[found.converged] <= 1000 - HOLD + 1)
+
+
+EVERYTHING = {"force_residual": 9.0, "moment_residual": 0.5}
+
+
+def test_bounds_that_nothing_meets_or_everything() -> None:
+    (pipeline,), points = pipelines("π_gx|Γ Γ", contacts(3)), starts(ELLIPSOID_B, 10)
+    never = ends("π_gx|Γ Γ", 3, ELLIPSOID_B, points, force_residual=1e-300, moment_residual=1e-300, steps=50)
+    assert not never.converged.any()
+    always = ends("π_gx|Γ Γ", 3, ELLIPSOID_B, points, steps=50, **EVERYTHING)
+    assert always.converged.all()
+    assert np.all(always.ticks == 0)
+    np.testing.assert_array_equal(always.points, run(pipeline, ELLIPSOID_B, points, HOLD - 1).points)
+
+
+def test_too_few_steps_to_hold_are_not_enough() -> None:
+    points = starts(ELLIPSOID_B, 10)
+    for steps, enough in ((18, False), (19, True)):
+        found = ends("π_gx|Γ Γ", 3, ELLIPSOID_B, points, steps=steps, **EVERYTHING)
+        assert found.converged.all() == enough == found.converged.any()
+
+
+def test_each_stage_has_to_hold_anew() -> None:
+    """Where everything is low, the second stage begins in the step in which the first has held, and counts from one."""
+    points = starts(ELLIPSOID_B, 10)
+    found = ends("π_cstar|Γ Γ", 3, ELLIPSOID_B, points, steps=50, **EVERYTHING)
+    assert found.converged.all()
+    assert np.all(found.ticks == HOLD - 1)
+    short = ends("π_cstar|Γ Γ", 3, ELLIPSOID_B, points, steps=2 * HOLD - 3, **EVERYTHING)
+    assert not short.converged.any()
+
+
+def test_a_stage_begins_when_the_one_before_has_held() -> None:
+    """The force's stage of C* lasts as long as the force controller alone; only then does the moment's move."""
+    points = starts(ELLIPSOID_B, 30)
+    alone = ends("φ_fr|τ_frx(Γ) σ_fr(Γ)", 3, ELLIPSOID_B, points, moment_residual=np.inf)
+    assert alone.converged.all()
+    first = int(alone.ticks.max()) + HOLD - 1
+    both = ends("π_cstar|Γ Γ", 3, ELLIPSOID_B, points, steps=first)
+    latest = alone.ticks == alone.ticks.max()
+    np.testing.assert_allclose(both.points[latest], alone.points[latest], atol=1e-14)
+    assert np.abs(both.points - alone.points)[alone.ticks < alone.ticks.max()].max() > 1e-3 * RADIUS
+
+
+# Back again
+
+
+def stages(trial: Trial, residual: str, high: float) -> list[bool]:
+    """Whether a sensed residual is high, tick by tick, each change once."""
+    norms = np.linalg.norm(trial.trajectory[residual], axis=-1)
+    return [is_high for is_high, _ in itertools.groupby(norms > high)]
+
+
+def test_hysteresis_goes_back_a_stage() -> None:
+    """Moment alone undoes the force residual that the stage before had brought down: with hysteresis, not for long."""
+    more = ("program.0.limit=10.0", "program.0.until.moment_residual=1e-6", "monitors.progress=off")
+    given_up, kept = (
+        trial_loop(program("compare/cstar.yaml", *more, *hysteresis)).run(0, 5)
+        for hysteresis in ((), ("program.0.hysteresis=1.5",))
+    )
+    worst = [
+        np.linalg.norm(trial.trajectory["sensed_force_residual"][-100:], axis=-1).max() for trial in (given_up, kept)
+    ]
+    assert worst[0] > 0.3
+    assert worst[1] < 0.25
+    assert len(stages(kept, "sensed_force_residual", 0.15)) > 3
+
+
+def test_with_hysteresis_both_residuals_are_kept() -> None:
+    """A phase of two stages comes to its end on trials where, without hysteresis, it does not."""
+    loops = [trial_loop(program("compare/cstar.yaml", *more)) for more in (("program.0.hysteresis=1.5",), ())]
+    good = [sum(trial.record.outcome is Outcome.CONVERGED for trial in loop.run_all(range(8), 31)) for loop in loops]
+    assert good[0] > good[1]
+
+
+# End conditions in words
+
+BOUNDS = Until(force_residual=0.1, moment_residual=0.005, force_error=0.1)
+
+
+def tick(force: float, moment: float, error: float = 0.0) -> Ticks:
+    """A tick whose sensed residuals have these norms."""
+    along = np.array([[0.6, 0.0, -0.8]])
+    none, nothing = np.zeros((1, 0)), np.zeros((1, 1), dtype=bool)
+    return Ticks(np.zeros((1, 1)), force * along, moment * along, np.array([error]), none, none, nothing)
+
+
+@pytest.mark.parametrize(
+    ("now", "said"),
+    [
+        (tick(0.01, 0.0056), "‖ρ_m‖ = 5.6 mm, not below 5 mm"),
+        (tick(0.01, 0.005003), "‖ρ_m‖ = 5.003 mm, not below 5 mm"),
+        (tick(0.25, 0.001), "‖ρ_f‖ = 0.25, not below 0.1"),
+        (tick(0.25, 0.0056), "‖ρ_f‖ = 0.25, not below 0.1, and ‖ρ_m‖ = 5.6 mm, not below 5 mm"),
+        (tick(0.01, 0.001, 0.3), "a contact force is 0.3 N from its reference, not below 0.1 N"),
+        (tick(0.01, 0.001, math.nan), ""),
+        (tick(0.01, 0.001), ""),
+    ],
+)
+def test_what_is_not_met_is_named_with_its_bound(now: Ticks, said: str) -> None:
+    assert unmet(BOUNDS, now, []) == said
+    assert is_low(BOUNDS, now).tolist() == [said == ""]
+
+
+def test_what_is_not_waited_for_is_not_named() -> None:
+    assert unmet(Until(moment_residual=0.005), tick(9.0, 0.001, 9.0), []) == ""
+
+
+def test_contacts_that_do_not_touch_are_named_first() -> None:
+    now = tick(0.25, 0.0)
+    assert unmet(BOUNDS, now, ["finger-1"]) == "finger-1 does not touch, and ‖ρ_f‖ = 0.25, not below 0.1"
+    assert unmet(Until(contact="all"), now, ["finger-1", "finger-3"]) == "finger-1 and finger-3 do not touch"
