@@ -12,14 +12,20 @@ from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.watching import OFF, SceneFacts
 from graspdsl.worlds.kinds import WORLDS
 
+FLOATING = {
+    "hand": "floating contacts have no hand",
+    "motion": "the object that contacts float on stays put",
+    "parting": "floating contacts never leave the surface",
+}
+
 
 def check_monitors(spec: Spec, document: Document, complaints: Complaints) -> None:
     """Warn of monitors that are asked for and can never speak in the scene."""
     scene = facts_of(spec)
     for key in sorted(spec.monitors.model_fields_set):
         monitor, bound = MONITORS[key], scene.bounds[key]
-        reason = next(filter(None, (need(scene) for need in monitor.needs)), None)
-        if bound != OFF and (reason := reason or monitor.out_of_reach(bound, scene)):
+        lacking = [scene.lacks[need] for need in monitor.needs if need in scene.lacks]
+        if bound != OFF and (reason := lacking[0] if lacking else monitor.out_of_reach(bound, scene)):
             path: Path = ("monitors", key)
             complaints.about(path)
             complaints.warning("no-effect", f"{key} has no effect: {reason}", document.key_span(path), "leave it out")
@@ -28,11 +34,13 @@ def check_monitors(spec: Spec, document: Document, complaints: Complaints) -> No
 def facts_of(spec: Spec) -> SceneFacts:
     """What of a spec matters to monitors."""
     thing, world = spec.scene.object, WORLDS[spec.scene.world]
+    lacks = {"table": "for a held object the table is out of the way"} if spec.scene.held else {}
+    if isinstance(thing, InlineObject) and thing.fixed:
+        lacks["motion"] = "the object is fixed to the world"
+    if _is_ball(thing):
+        lacks["upright"] = "a ball may roll, and never leans"
     return SceneFacts(
-        floats=world.floats,
-        held=spec.scene.held,
-        fixed=isinstance(thing, InlineObject) and thing.fixed,
-        ball=_is_ball(thing),
+        lacks={**lacks, **(FLOATING if world.floats else {})},
         longest=max(phase.limit for phase in spec.program),
         waiting=tuple(p.limit for p in spec.program if p.until.force_residual or p.until.moment_residual),
         tick=1.0 / world.rate if world.floats or spec.control.displacement == "sliding" else None,

@@ -10,7 +10,7 @@ import dataclasses
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,17 +26,22 @@ from graspdsl.spec.watching import Setting, Sight, When
 from graspdsl.trials.logbook import NEVER, Logbook
 from graspdsl.trials.measures import length
 from graspdsl.trials.outcomes import Ending, Outcome
-from graspdsl.worlds.protocol import Command, ManyWorld, Observation, Start, Truth, Witness, World, WorldCrashError
+from graspdsl.worlds.protocol import (
+    Command,
+    ManyWorld,
+    Observation,
+    Start,
+    Truth,
+    Witness,
+    WitnessedWorld,
+    WorldCrashError,
+)
 
 ROUNDING = 1e-9  # s
 LEAST_DIGITS, MOST_DIGITS = 3, 6
 
 
 Batch = TypeVar("Batch", Observation, Truth, Ticks)
-
-
-class WitnessedWorld(World, Witness, Protocol):
-    """A world whose truth can be asked."""
 
 
 @dataclass(frozen=True, slots=True)

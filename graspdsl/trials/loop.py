@@ -11,7 +11,7 @@ import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.quality.metric import CRASHED, NO_CONTACTS
-from graspdsl.trials.course import Alone, Course, WitnessedWorld, stages_of
+from graspdsl.trials.course import Alone, Course, stages_of
 from graspdsl.trials.evaluation import Evaluation, Quality
 from graspdsl.trials.identity import identities
 from graspdsl.trials.logbook import Logbook
@@ -25,6 +25,7 @@ from graspdsl.worlds.protocol import (
     UnreachableStartError,
     UnstableObjectError,
     Witness,
+    WitnessedWorld,
     WorldCrashError,
 )
 

@@ -161,6 +161,10 @@ class World(Protocol):
         ...
 
 
+class WitnessedWorld(World, Witness, Protocol):
+    """A world whose truth can be asked."""
+
+
 @runtime_checkable
 class ManyWorld(Witness, Protocol):
     """A world that runs many trials side by side, a tick of all at a time.
