@@ -17,8 +17,8 @@ def check_monitors(spec: Spec, document: Document, complaints: Complaints) -> No
     scene = facts_of(spec)
     for key in sorted(spec.monitors.model_fields_set):
         monitor, bound = MONITORS[key], scene.bounds[key]
-        reason = next(filter(None, (need(scene) for need in monitor.needs)), None)
-        if bound != OFF and (reason := reason or monitor.out_of_reach(bound, scene)):
+        lacking = [scene.lacks[need] for need in monitor.needs if need in scene.lacks]
+        if bound != OFF and (reason := lacking[0] if lacking else monitor.out_of_reach(bound, scene)):
             path: Path = ("monitors", key)
             complaints.about(path)
             complaints.warning("no-effect", f"{key} has no effect: {reason}", document.key_span(path), "leave it out")
@@ -27,11 +27,13 @@ def check_monitors(spec: Spec, document: Document, complaints: Complaints) -> No
 def facts_of(spec: Spec) -> SceneFacts:
     """What of a spec matters to monitors."""
     thing, world = spec.scene.object, WORLDS[spec.scene.world]
+    lacks = {"table": "for a held object the table is out of the way"} if spec.scene.held else {}
+    if isinstance(thing, InlineObject) and thing.fixed:
+        lacks["motion"] = "the object is fixed to the world"
+    if _is_ball(thing):
+        lacks["upright"] = "a ball may roll, and never leans"
     return SceneFacts(
-        lacks={str(ability): why for ability, why in world.lacks.items()},
-        held=spec.scene.held,
-        fixed=isinstance(thing, InlineObject) and thing.fixed,
-        ball=_is_ball(thing),
+        lacks={**lacks, **{str(ability): why for ability, why in world.lacks.items()}},
         longest=max(phase.limit for phase in spec.program),
         waiting=tuple(p.limit for p in spec.program if p.until.force_residual or p.until.moment_residual),
         tick=None if world.probes(spec.control.displacement) else 1.0 / world.rate,

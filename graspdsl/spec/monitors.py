@@ -29,11 +29,6 @@ from graspdsl.spec.watching import (
     Sight,
     Touch,
     When,
-    a_hand,
-    a_loose_object,
-    a_table,
-    an_upright_object,
-    loose_contacts,
 )
 
 AT_LIMIT = 1e-3  # rad or m
@@ -46,7 +41,7 @@ class PalmMonitor(Touch):
     description = "the palm touches the object, for this time (s): palm-collision"
     default = AT_ONCE
     outcome = Outcome("palm-collision", "the palm touched the object", "#5a636d")
-    needs = (a_hand,)
+    needs = ("hand",)
     of_a_free_object = True
 
     def who(self, sight: Sight, place: int) -> Sequence[str]:
@@ -61,7 +56,7 @@ class LinkMonitor(Touch):
     description = "any link but a fingertip and the palm touches the object, for this time (s): link-collision"
     default = 0.5
     outcome = Outcome("link-collision", "a link other than fingertips and palm touched the object", "#5a636d", LEVEL)
-    needs = (a_hand,)
+    needs = ("hand",)
     of_a_free_object = True
 
     def who(self, sight: Sight, place: int) -> Sequence[str]:
@@ -76,7 +71,7 @@ class TableMonitor(Touch):
     description = "any link of hand or arm touches the table, for this time (s): table-contact"
     default = AT_ONCE
     outcome = Outcome("table-contact", "a link touched the table", "#8f98a2", LEVEL)
-    needs = (a_hand, a_table)
+    needs = ("hand", "table")
 
     def who(self, sight: Sight, place: int) -> Sequence[str]:
         """All that do."""
@@ -90,7 +85,7 @@ class LostMonitor(Lasting):
     description = "a contact does not touch any more, for this time (s): contact-lost"
     default = 2.0
     outcome = Outcome("contact-lost", "a contact was never made, or was lost", "#8f98a2")
-    needs = (loose_contacts,)
+    needs = ("parting",)
     turn = 2
 
     @staticmethod
@@ -126,7 +121,7 @@ class JointLimitMonitor(Lasting):
     )
     default = 2.0
     outcome = Outcome("joint-limit", "a joint was kept from going on by its limit", "#8f98a2", DOTS)
-    needs = (a_hand,)
+    needs = ("hand",)
     turn = 1
 
     @staticmethod
@@ -167,7 +162,7 @@ class LeanMonitor(Beyond):
     description = "the object leans by more than this (rad): toppled"
     bound_type, default = Angle, 0.35
     outcome = Outcome.TOPPLED
-    needs = (a_loose_object, an_upright_object)
+    needs = ("motion", "upright")
     of_a_free_object = True
     quantity, said = "lean", "the object leant {:.2f} rad"
 
@@ -179,7 +174,7 @@ class ShiftMonitor(Beyond):
     description = "the object has moved by more than this (m), at any time: diverged"
     bound_type, default = Distance, 0.10
     outcome = Outcome("diverged", "the object was moved away", "#23292f")
-    needs = (a_loose_object,)
+    needs = ("motion",)
     of_a_free_object = True
     quantity, said, scale = "shift", "the object was moved {:.0f} mm", 1000.0
 
@@ -191,7 +186,7 @@ class DraggedMonitor(Beyond):
     description = "the object has moved by more than this (m) in a grasp at its end: dragged"
     bound_type, default = Distance, 0.02
     outcome = Outcome("dragged", "the end conditions held, but the object had been dragged", "#c9ced4", LEVEL)
-    needs = (a_loose_object,)
+    needs = ("motion",)
     of_a_free_object = True
     when = When.END
     quantity, said, scale = "shift", "a low residual, but the object was dragged {:.0f} mm", 1000.0

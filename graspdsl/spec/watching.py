@@ -94,51 +94,24 @@ class Sight:
     waited_for: Callable[[int], str]
 
 
+# Links; a table within reach; an object that can move, and one that can lean; contacts that can part from it.
+Need = Literal["hand", "table", "motion", "upright", "parting"]
+
+
 @dataclass(frozen=True, slots=True)
 class SceneFacts:
     """What of a spec decides whether its monitors have anything to watch.
 
-    ``lacks``: what its world has not, each with the reason.
-    ``longest``: the longest limit [s] of a phase; ``waiting``: those of phases that wait for a residual; ``tick`` [s],
-    None where a tick is a probe. ``bounds`` of all monitors by key.
+    ``lacks``: what there is not to watch, each with the reason. ``longest``: the longest limit [s] of a phase;
+    ``waiting``: those of phases that wait for a residual; ``tick`` [s], None where a tick is a probe. ``bounds`` of all
+    monitors by key.
     """
 
     lacks: Mapping[str, str]
-    held: bool
-    fixed: bool
-    ball: bool
     longest: float
     waiting: tuple[float, ...]
     tick: float | None
     bounds: Mapping[str, Any]
-
-
-Need = Callable[[SceneFacts], str | None]  # why a scene lacks what a monitor needs; None where it does not
-
-
-def a_hand(scene: SceneFacts) -> str | None:
-    """Links and joints."""
-    return scene.lacks.get("hand")
-
-
-def a_table(scene: SceneFacts) -> str | None:
-    """A table within reach."""
-    return "for a held object the table is out of the way" if scene.held else None
-
-
-def loose_contacts(scene: SceneFacts) -> str | None:
-    """Contacts that can leave the surface."""
-    return scene.lacks.get("parting")
-
-
-def a_loose_object(scene: SceneFacts) -> str | None:
-    """An object that can move."""
-    return scene.lacks.get("motion", "the object is fixed to the world" if scene.fixed else None)
-
-
-def an_upright_object(scene: SceneFacts) -> str | None:
-    """An object that can lean."""
-    return "a ball may roll, and never leans" if scene.ball else None
 
 
 class When(enum.Enum):
