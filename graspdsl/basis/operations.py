@@ -50,8 +50,9 @@ def rank(projector: Array) -> Array:
 
 
 def stacked(*matrices: Array) -> Array:
-    """Matrices (..., d, D) on top of each other."""
-    return np.concatenate(matrices, axis=-2)
+    """Matrices (..., d, D) on top of each other; leading axes broadcast."""
+    batch = np.broadcast_shapes(*(matrix.shape[:-2] for matrix in matrices))
+    return np.concatenate([np.broadcast_to(matrix, (*batch, *matrix.shape[-2:])) for matrix in matrices], axis=-2)
 
 
 def rows_of(mixing: Array, displacement: Array) -> Array:
@@ -109,7 +110,7 @@ def from_surface(frames: Array, radius: Array, coordinates: Array) -> Array:
 
 def task_projector(*jacobians: Array) -> Array:
     """The projector on the null space of all higher tasks at once: N of their stacked Jacobians."""
-    return null_space_projector(np.concatenate(jacobians, axis=-2))
+    return null_space_projector(stacked(*jacobians))
 
 
 def gradient_projector(*gradients: Array) -> Array:

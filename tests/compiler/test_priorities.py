@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -149,3 +151,14 @@ def test_leaks_are_measured() -> None:
     assert operations.gradient_leak(higher, lower, lower) == pytest.approx(0.6)
     assert operations.leak(higher[None], lower, 0.5 * lower) == pytest.approx(0.3)
     assert operations.leak(higher[None], 0.0 * lower, 0.0 * lower) == 0.0
+
+
+@EACH_NULLSPACE
+def test_levels_of_joints_and_of_contacts_take_batches(nullspace: str) -> None:
+    """A posture's task is the same for all observations, those of contacts are not: the commands are as one by one."""
+    pipeline = compiled("φ_k|τ_k(all) σ_k(flexion) ◁ π_close|Γ Γ", nullspace=nullspace)
+    alone = [observation(seed) for seed in range(3)]
+    fields = {f.name: np.stack([getattr(seen, f.name) for seen in alone]) for f in dataclasses.fields(alone[0])}
+    whole = pipeline.values(dataclasses.replace(alone[0], **fields))[pipeline.command]
+    one_by_one = [pipeline.values(seen)[pipeline.command] for seen in alone]
+    np.testing.assert_allclose(whole, one_by_one, atol=1e-14)
