@@ -302,6 +302,8 @@ class Kind(enum.StrEnum):
     EFFECTORS = "effectors"
     CONTROLLERS = "controllers"
     HANDS = "hands"
+    MOUNTS = "mounts"
+    SENSING = "sensing"
     OBJECTS = "objects"
     WORLDS = "worlds"
 
@@ -328,6 +330,9 @@ def list_(
 def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
     with answering():
+        from graspdsl.hands.descriptions import mounts
         from graspdsl.spec.loading import json_schema
+        from graspdsl.worlds.kinds import WORLDS
 
-        result_json(json_schema())
+        worlds = {name: world.about for name, world in WORLDS.items()}
+        result_json(json_schema(worlds, {name: mount.about for name, mount in mounts().items()}))

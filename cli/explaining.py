@@ -37,11 +37,11 @@ def _of_expression(text: str) -> list[Explanation]:
     ways = ["the object held"] if scene.held else []
     ways += ["displaced by probing"] if program.probes else []
     say(f"outside a spec: {', '.join([f'the hand {scene.hand} on the mount {scene.mount}', resources, *ways])}")
-    return [explained(phase, program.target) for phase in program.phases]
+    return list(explained(program))
 
 
 def _of_spec(path: Path) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
 
     program, _ = sound(path)
-    return [explained(phase, program.target) for phase in program.phases]
+    return list(explained(program))

@@ -1,4 +1,4 @@
-"""What there is to write with: potentials, transforms, controllers, hands, objects, worlds."""
+"""What there is to write with: potentials, transforms, controllers, hands, mounts, sensing, objects, worlds."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _sensors() -> Rows:
     from graspdsl.basis.sensors import SENSORS
 
     return [
-        {"name": sensor.symbol, "equation": sensor.equation, "task space": sensor.space.value, "about": sensor.about}
+        {"name": sensor.symbol, "equation": sensor.equation, "task space": sensor.space.about, "about": sensor.about}
         for sensor in SENSORS.values()
     ]
 
@@ -125,12 +125,26 @@ def _worlds() -> Rows:
     return _named((name, world.about) for name, world in WORLDS.items())
 
 
+def _mounts() -> Rows:
+    from graspdsl.hands.descriptions import mounts
+
+    return _named((name, mount.about) for name, mount in mounts().items())
+
+
+def _sensing() -> Rows:
+    from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
+
+    return _named((name, sensor.about) for name, sensor in TACTILE_SENSORS.items())
+
+
 KINDS: Mapping[str, Callable[[], Rows]] = {
     "potentials": _potentials,
     "sensors": _sensors,
     "effectors": _effectors,
     "controllers": _controllers,
     "hands": _hands,
+    "mounts": _mounts,
+    "sensing": _sensing,
     "objects": _objects,
     "worlds": _worlds,
 }

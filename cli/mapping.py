@@ -89,7 +89,7 @@ def make_map(
 ) -> int:
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
     program, source = sound(spec, settings)
-    if program.world.floats:
+    if not program.world.has("hand"):
         if_interrupted("nothing is kept of a map of floating contacts, which is made in one go: begin it again")
         with reading(str(spec), source):
             cells = _floating(program, axes, contact)

@@ -27,7 +27,7 @@ from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import Label, annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
-from graspdsl.worlds.bullet.world import TABLE_FRICTION
+from graspdsl.worlds.kind import TABLE_FRICTION, TrialStudio
 from graspdsl.worlds.protocol import GRAVITY, UnstableObjectError
 
 SIZE = (640, 480)
@@ -147,7 +147,7 @@ def _play(replay: Replay) -> None:
     _stay(replay.studio)
 
 
-def _stay(studio: Studio) -> None:
+def _stay(studio: Studio | TrialStudio) -> None:
     say("close the window to end")
     while studio.is_open:
         time.sleep(0.1)

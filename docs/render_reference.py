@@ -10,7 +10,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from graspdsl.hands.descriptions import mounts
 from graspdsl.spec.loading import json_schema
+from graspdsl.worlds.kinds import WORLDS
 
 PLACE = Path(__file__).resolve().parent / "reference.md"
 HEAD = """# The keys of a spec
@@ -24,7 +26,8 @@ Schema = Mapping[str, Any]
 
 def reference() -> str:
     """The page: a table for the spec itself and for each part that it refers to, in the order of first mention."""
-    whole = json_schema()
+    worlds = {name: world.about for name, world in WORLDS.items()}
+    whole = json_schema(worlds, {name: mount.about for name, mount in mounts().items()})
     places: dict[str, str] = {}
     sections = [HEAD, _section("The whole", whole)]
     waiting = list(_parts(whole, ""))

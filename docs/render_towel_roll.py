@@ -14,8 +14,8 @@ from graspdsl.compiler.program import program_of
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import world_of
-from graspdsl.worlds.bullet.camera import Picture
 from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.camera import Picture
 from graspdsl.worlds.protocol import Command, Observation, Start
 
 ROOT = Path(__file__).resolve().parent.parent

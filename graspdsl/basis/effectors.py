@@ -1,26 +1,300 @@
-"""The table of effector transforms."""
+"""Effector transforms τ: the Jacobian of what is sensed with respect to what is moved (Eq. 3.5, 4.33).
+
+Those of the residuals by sliding contacts (Eq. 4.12 to 4.29) rest on two models of the surface at a contact: for the
+force, a sphere of curvature radius r; for the moment, the tangent plane. ``frames`` T (..., k, 3, 2) span the tangent
+planes; ``stretch`` S (..., k, 2) is one for local tangent frames and (cos φ, 1) for the chapter's spherical
+coordinates, which shrink towards their poles (Eq. 4.4).
+"""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
+from typing import ClassVar
 
-from graspdsl.basis.effector import Effector
-from graspdsl.basis.joint_effectors import (
-    ForceJacobian,
-    MomentJacobian,
-    OrientationJacobian,
-    PositionJacobian,
-    PostureSelection,
-)
-from graspdsl.basis.rotation_effectors import ForceResidualRotation, MomentResidualRotation
-from graspdsl.basis.surface_effectors import (
-    ForceResidualDisplacement,
-    ForceResidualSurface,
-    MomentResidualDisplacement,
-    MomentResidualSurface,
-    WrenchResidualDisplacement,
-    WrenchResidualSurface,
-)
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import in_columns, in_rows, skew
+from graspdsl.basis.entry import Entry
+from graspdsl.basis.spaces import GradientSpace
+
+
+class Effector(Entry):
+    """An effector transform: ``reads`` names its inputs, fields of an Observation or what the compiler makes of them.
+
+    On the surface the k contacts move by (2k,) coordinates, in Cartesian space by a (3k,) displacement; in rotation
+    space all turn as one, by (3,) exponential coordinates; in joint space the n joints move.
+    """
+
+    gradient_space: ClassVar[GradientSpace]
+    reads: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """τ, (..., d, D): rows of the task space, columns of the gradient space.
+
+        mixing: (m, k) in joint space, (s, n) for joint sets; in rotation space (2, k), the weights in Γσ of the points
+        and of the normals that turn; weights (k,) otherwise.
+        """
+
+
+def force_by_surface(weights: Array, frames: Array, stretch: Array) -> Array:
+    """∂f_i/∂ψ_i = −w_i T S on the unit sphere, (..., k, 3, 2) [1/rad] (Eq. 4.4)."""
+    return np.asarray(frames * stretch[..., None, :] * -weights[:, None, None])
+
+
+def moment_by_surface(weights: Array, normals: Array, frames: Array, radius: Array) -> Array:
+    """∂m_i/∂ψ_i = −w_i r [n_i]× T on the tangent plane, a displacement being r ψ, (..., k, 3, 2) [m/rad] (Eq. 4.7)."""
+    return np.asarray(skew(normals) @ frames * (-weights * radius)[:, None, None])
+
+
+def surface_by_cartesian(frames: Array, radius: Array) -> Array:
+    """∂ψ/∂x = (r̂_θ r̂_φ)ᵀ / r, (..., k, 2, 3) [rad/m] (Eq. 4.27)."""
+    return np.asarray(np.swapaxes(frames, -1, -2) / radius)
+
+
+class ForceResidualSurface(Effector):
+    """τ_fr = ∂f/∂ψ (Eq. 4.12): on the unit sphere, ∂f_i/∂ψ_i = −w_i T S, (..., 3, 2k) [1/rad]."""
+
+    symbol = "τ_fr"
+    about = "net unit force by surface coordinates, surface taken for a sphere"
+    equation = "4.12"
+    gradient_space = GradientSpace.SURFACE
+    reads = ("frames", "stretch")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """−w T S side by side, shape (..., 3, 2k)."""
+        return in_columns(force_by_surface(mixing, *inputs))
+
+
+class MomentResidualSurface(Effector):
+    """τ_mr = ∂m/∂ψ (Eq. 4.16): on a plane, with r_θ = rθ, ∂m_i/∂ψ_i = −w_i r [n_i]× T, (..., 3, 2k) [m/rad]."""
+
+    symbol = "τ_mr"
+    about = "net moment by surface coordinates, surface taken for a plane"
+    equation = "4.16"
+    gradient_space = GradientSpace.SURFACE
+    reads = ("normals", "frames", "curvature_radius")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """−w r [n]× T side by side, shape (..., 3, 2k)."""
+        return in_columns(moment_by_surface(mixing, *inputs))
+
+
+class WrenchResidualSurface(Effector):
+    """τ_w: τ_fr above τ_mr / r (Sec. 4.1.3), (..., 6, 2k) [1/rad]."""
+
+    symbol = "τ_w"
+    about = "net wrench by surface coordinates"
+    equation = "Sec. 4.1.3"
+    gradient_space = GradientSpace.SURFACE
+    reads = ("normals", "frames", "stretch", "curvature_radius")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Force rows above moment rows, shape (..., 6, 2k)."""
+        normals, frames, stretch, radius = inputs
+        moment = moment_by_surface(mixing, normals, frames, radius) / radius
+        return in_columns(np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2))
+
+
+class ForceResidualDisplacement(Effector):
+    """τ_frx = ∂f/∂ψ (r̂_θ r̂_φ)ᵀ (Eq. 4.28): on a sphere of radius r, ∂f_i/∂x_i = −w_i T S Tᵀ / r, (..., 3, 3k) [1/m].
+
+    With local frames T Tᵀ = I − n nᵀ, free of the choice of surface coordinates and of their poles.
+    """
+
+    symbol = "τ_frx"
+    about = "net unit force by contact displacements, surface taken for a sphere"
+    equation = "4.28"
+    gradient_space = GradientSpace.CARTESIAN
+    reads = ("frames", "stretch", "curvature_radius")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """−w T S Tᵀ / r side by side, shape (..., 3, 3k)."""
+        frames, stretch, radius = inputs
+        return in_columns(force_by_surface(mixing, frames, stretch) @ surface_by_cartesian(frames, radius))
+
+
+class MomentResidualDisplacement(Effector):
+    """τ_mrx = ∂m/∂ψ (r̂_θ r̂_φ)ᵀ (Eq. 4.29): on a plane, ∂m_i/∂x_i = −w_i [n_i]× T Tᵀ, (..., 3, 3k) [1]."""
+
+    symbol = "τ_mrx"
+    about = "net moment by contact displacements, surface taken for a plane"
+    equation = "4.29"
+    gradient_space = GradientSpace.CARTESIAN
+    reads = ("normals", "frames", "curvature_radius")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """−w [n]× T Tᵀ side by side, shape (..., 3, 3k)."""
+        normals, frames, radius = inputs
+        moved = moment_by_surface(mixing, normals, frames, radius) @ surface_by_cartesian(frames, radius)
+        return in_columns(moved)
+
+
+class WrenchResidualDisplacement(Effector):
+    """τ_wx: τ_frx above τ_mrx / r (Sec. 4.1.3), (..., 6, 3k) [1/m]."""
+
+    symbol = "τ_wx"
+    about = "net wrench by contact displacements"
+    equation = "Sec. 4.1.3"
+    gradient_space = GradientSpace.CARTESIAN
+    reads = ("normals", "frames", "stretch", "curvature_radius")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Force rows above moment rows, shape (..., 6, 3k)."""
+        normals, frames, stretch, radius = inputs
+        moment = moment_by_surface(mixing, normals, frames, radius) / radius
+        both = np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2)
+        return in_columns(both @ surface_by_cartesian(frames, radius))
+
+
+class ResidualRotation(Effector):
+    """τ of a residual by a rotation of the object that the contacts hold (Eq. 4.38, 4.39).
+
+    Held, the object and all contacts that touch it are one rigid body (Sec. 4.4.2): the contacts of Γτ cannot turn
+    without "the entire object along with" them, nor apart from each other. So r_1 = … = r_|Γτ| = r, three coordinates
+    whichever contacts are named, and a small turn δr about the point c that moments are taken about turns all of Γσ:
+
+        lever a_j = x_j − c    → a_j + δr × a_j    of each contact of Γσ, and of the centre of mass, at which γ_g acts
+        normal n_j             → n_j + δr × n_j    of each contact of Γσ; that of γ_g stays down
+
+    With w_j the weights in Γσ, g for γ_g and sums over the contacts of Γσ without it, the product rule gives
+
+        ∂f/∂r = −[Σ w_j n_j]×                                           where ρ_f = Σ w_j n_j + w_g n_g
+        ∂m/∂r = −[Σ w_j a_j × n_j]× + w_g [n_g]× [a_g]×                 where ρ_m = Σ w_j a_j × n_j + w_g a_g × n_g
+
+    These are what the chapter's ∂f/∂ψ ∂ψ/∂r comes to when ψ are the angles of the normals: turning a contact by δr
+    moves its ψ by just what turns its normal by δr × n, so that the choice of surface coordinates cancels, their poles
+    too. The tangent plane of Eq. 4.7, along which a contact slides and its normal stays, has no part in it: nothing
+    slides.
+
+    Down the gradients 2 (∂f/∂r)ᵀ ρ_f and 2 (∂m/∂r)ᵀ ρ_m the residuals of the real object fall. Without γ_g these are
+    2 ρ_f × ρ_f = 0 and 2 ρ_m × ρ_m = 0, as the chapter has it under Eq. 4.41. With it the first is
+    2 w_g Σ w_j n_j × n_g: zero, and ε_fr least, when the net of the contacts presses straight up against the weight.
+    """
+
+    gradient_space = GradientSpace.ROTATION
+
+
+class ForceResidualRotation(ResidualRotation):
+    """τ_frr = ∂f/∂r (Eq. 4.38): the normals of all contacts turn with the object, −[Σ w n]×, (..., 3, 3) [1/rad]."""
+
+    symbol = "τ_frr"
+    about = "net unit force by rotation of the held object with its contacts"
+    equation = "4.38"
+    reads = ("normals",)
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """−[Σ w n]× over the normals that turn, shape (..., 3, 3)."""
+        (normals,) = inputs
+        _, turning = mixing
+        return -skew(turning @ normals)
+
+
+class MomentResidualRotation(ResidualRotation):
+    """τ_mrr = ∂m/∂r (Eq. 4.39): levers and normals of all contacts turn with the object, and the lever of gravity,
+    −[Σ w (x − c) × n]× + w_g [n_g]× [x_g − c]×, (..., 3, 3) [m/rad]."""
+
+    symbol = "τ_mrr"
+    about = "net moment by rotation of the held object with its contacts"
+    equation = "4.39"
+    reads = ("points", "normals", "origin")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Σ w [n]× [x − c]× over the points that turn less Σ w [x − c]× [n]× over the normals, shape (..., 3, 3)."""
+        points, normals, origin = inputs
+        levers, across = skew(points - origin[..., None, :]), skew(normals)
+        by_lever, by_normal = across @ levers, levers @ across
+        carried, turning = mixing
+        return np.asarray(
+            np.einsum("k,...kij->...ij", carried, by_lever) - np.einsum("k,...kij->...ij", turning, by_normal)
+        )
+
+
+class PositionJacobian(Effector):
+    """τ_p = ∂x/∂q, the Jacobians of the contact points (Eq. 4.20; means by 4.34), (..., 3m, n) [m/rad]."""
+
+    symbol = "τ_p"
+    about = "contact positions by joint displacements"
+    equation = "4.20"
+    gradient_space = GradientSpace.JOINTS
+    reads = ("jacobian",)
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R J stacked, shape (..., 3m, n)."""
+        (jacobian,) = inputs
+        return in_rows(np.einsum("rk,...kij->...rij", mixing, jacobian))
+
+
+class OrientationJacobian(Effector):
+    """τ_r = ∂r/∂q, the angular Jacobians of the contacts (Eq. 4.41; means by 4.34), (..., 3m, n) [rad/rad]."""
+
+    symbol = "τ_r"
+    about = "contact orientations by joint displacements"
+    equation = "4.41"
+    gradient_space = GradientSpace.JOINTS
+    reads = ("angular_jacobian",)
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R J_ω stacked, shape (..., 3m, n)."""
+        (jacobian,) = inputs
+        return in_rows(np.einsum("rk,...kij->...rij", mixing, jacobian))
+
+
+class ForceJacobian(Effector):
+    """τ_f = n nᵀ ∂x/∂q, motion into the surface, which a contact of unit stiffness answers with a force along its
+    normal (Eq. 4.21; means by 4.34), (..., 3m, n) [N/rad per N/m of stiffness]."""
+
+    symbol = "τ_f"
+    about = "contact forces by joint displacements, for unit stiffness"
+    equation = "4.21"
+    gradient_space = GradientSpace.JOINTS
+    reads = ("jacobian", "normals")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R (n nᵀ J) stacked, shape (..., 3m, n)."""
+        jacobian, normals = inputs
+        return in_rows(np.einsum("rk,...kij->...rij", mixing, _pressing(jacobian, normals)))
+
+
+class MomentJacobian(Effector):
+    """τ_m = [x − c]× n nᵀ ∂x/∂q, the moment of the force that a contact of unit stiffness answers with, at a fixed
+    lever (Sec. 3.1.2), (..., 3m, n) [N·m/rad per N/m of stiffness]."""
+
+    symbol = "τ_m"
+    about = "moments of contact forces by joint displacements, for unit stiffness"
+    equation = "Sec. 3.1.2"
+    gradient_space = GradientSpace.JOINTS
+    reads = ("jacobian", "normals", "points", "origin")
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """R ([x − c]× n nᵀ J) stacked, shape (..., 3m, n)."""
+        jacobian, normals, points, origin = inputs
+        levers = skew(points - origin[..., None, :])
+        return in_rows(np.einsum("rk,...kij->...rij", mixing, levers @ _pressing(jacobian, normals)))
+
+
+class PostureSelection(Effector):
+    """τ_k = ∂q_σ/∂q_τ: which of the joints in Γσ are moved by those in Γτ (Eq. 4.25), (..., s, n) [1]."""
+
+    symbol = "τ_k"
+    about = "joints of a set by joint displacements"
+    equation = "4.25"
+    gradient_space = GradientSpace.JOINTS
+    reads = ("joint_weights",)
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """S with the columns of joints outside Γτ zero, in scaled joint coordinates, shape (s, n)."""
+        (weights,) = inputs
+        return np.asarray(mixing * weights)
+
+
+def _pressing(jacobian: Array, normals: Array) -> Array:
+    """n nᵀ J for each contact, (..., k, 3, n)."""
+    pressed = normals[..., :, None] * np.einsum("...ki,...kij->...kj", normals, jacobian)[..., None, :]
+    return np.asarray(pressed)
+
 
 EFFECTORS: Mapping[str, Effector] = {
     effector.symbol: effector

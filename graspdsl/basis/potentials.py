@@ -2,32 +2,75 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.spaces import TaskSpace
+from graspdsl.basis.entry import Entry
+from graspdsl.basis.laws import Descent, InverseKinematics, Law, Pressing, ShareOfError
+from graspdsl.basis.rotations import turn_between, turned
+from graspdsl.basis.spaces import (
+    FORCE,
+    MOMENT,
+    NET_FORCE,
+    NET_MOMENT,
+    NET_WRENCH,
+    ORIENTATION,
+    POSITION,
+    POSTURE,
+    GradientSpace,
+    TaskSpace,
+)
 
 
-class Potential(ABC):
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """How places (..., 3) of a task space differ.
+
+    ``between(end, start)``: the displacement from one to the other; ``displaced(by, start)``: where a displacement
+    leads. ``label``: of a displacement. ``turns``: displacements are rotations [rad], which all contacts of a rigid
+    body share; else they are vectors.
+    """
+
+    between: Callable[[Array, Array], Array]
+    displaced: Callable[[Array, Array], Array]
+    label: str
+    turns: bool = False
+
+
+STRAIGHT = Difference(np.subtract, np.add, "Δx")
+TURNING = Difference(turn_between, turned, "Δr", turns=True)
+
+
+class Potential(Entry):
     """A potential over errors e = reference − sensed, with e flattened to (..., d).
 
     ``sensors`` and ``effectors`` are the transforms it can be joined with; ``references`` the sensors
     that can make its reference. Without any, the reference is zero and none is written; one that may be left out is
-    said in ``has_default_reference``.
+    said in ``has_default_reference``. A gradient in the space ``displaced_by`` can be its reference: sensed +
+    displacement. ``is_capped``: a far reference is approached in steps of the cap.
+
+    ``lowers``: the end conditions of a phase that it works towards, by their names in a spec. One that ``is_residual``
+    is of the net of a set of contacts, which then is the grasp that a phase is judged by. ``normal_to``: the potentials
+    to which its gradient is at right angles where all contacts are controlled alike.
     """
 
-    symbol: ClassVar[str]
-    about: ClassVar[str]
-    equation: ClassVar[str]
     space: ClassVar[TaskSpace]
     sensors: ClassVar[tuple[str, ...]]
     effectors: ClassVar[tuple[str, ...]]
     references: ClassVar[tuple[str, ...]] = ()
     has_default_reference: ClassVar[bool] = False
+    law: ClassVar[Law]
+    difference: ClassVar[Difference] = STRAIGHT
+    displaced_by: ClassVar[GradientSpace | None] = None
+    is_capped: ClassVar[bool] = False
+    lowers: ClassVar[tuple[str, ...]] = ()
+    is_residual: ClassVar[bool] = False
+    normal_to: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def value(self, error: Array) -> Array:
@@ -38,8 +81,11 @@ class Potential(ABC):
         """dφ/de, shape (..., d)."""
 
 
-class Squared(Potential):
-    """φ(e) = eᵀe."""
+class Residual(Potential):
+    """φ(e) = eᵀe of a residual e, which falls down its gradient."""
+
+    law = Descent()
+    is_residual = True
 
     def value(self, error: Array) -> Array:
         """eᵀe, shape (...)."""
@@ -62,26 +108,30 @@ class HalfSquared(Potential):
         return error
 
 
-class ForceResidual(Squared):
+class ForceResidual(Residual):
     """φ_fr = ρ_fᵀρ_f = ε_fr, the squared net force of frictionless unit contact forces (Eq. 4.1). Dimensionless."""
 
     symbol = "φ_fr"
     about = "force residual: the squared net force of unit contact forces"
     equation = "4.1"
-    space = TaskSpace.NET_FORCE
+    space = NET_FORCE
     sensors = ("σ_fr",)
     effectors = ("τ_fr", "τ_frx", "τ_frr")
+    lowers = ("force_residual",)
+    normal_to = ("φ_mr",)
 
 
-class MomentResidual(Squared):
+class MomentResidual(Residual):
     """φ_mr = ρ_mᵀρ_m = ε_mr, the squared net moment of frictionless unit contact forces (Eq. 4.2). In m²."""
 
     symbol = "φ_mr"
     about = "moment residual: the squared net moment of unit contact forces"
     equation = "4.2"
-    space = TaskSpace.NET_MOMENT
+    space = NET_MOMENT
     sensors = ("σ_mr",)
     effectors = ("τ_mr", "τ_mrx", "τ_mrr")
+    law = Descent(gain="moment_gain", of_moments=True)
+    lowers = ("moment_residual",)
 
 
 class Position(HalfSquared):
@@ -90,10 +140,13 @@ class Position(HalfSquared):
     symbol = "φ_p"
     about = "position: contacts to reference positions"
     equation = "4.20"
-    space = TaskSpace.POSITION
+    space = POSITION
     sensors = ("σ_p",)
     effectors = ("τ_p",)
     references = ("σ_p",)
+    law = InverseKinematics()
+    displaced_by = GradientSpace.CARTESIAN
+    is_capped = True
 
 
 class Force(HalfSquared):
@@ -102,22 +155,25 @@ class Force(HalfSquared):
     symbol = "φ_f"
     about = "force: contact forces to reference forces"
     equation = "4.21"
-    space = TaskSpace.FORCE
+    space = FORCE
     sensors = ("σ_f",)
     effectors = ("τ_f",)
     references = ("σ_f", "σ_n")
+    law = Pressing()
+    lowers = ("force_error",)
 
 
-class WrenchResidual(Squared):
+class WrenchResidual(Residual):
     """φ_w = ρ_wᵀρ_w, force and moment residual in one, for contrast: it has local minima that the two apart have not
     (Sec. 4.1.3). Dimensionless, the moment taken over the curvature radius."""
 
     symbol = "φ_w"
     about = "wrench residual: squared net force and moment in one"
     equation = "Sec. 4.1.3"
-    space = TaskSpace.NET_WRENCH
+    space = NET_WRENCH
     sensors = ("σ_w",)
     effectors = ("τ_w", "τ_wx")
+    lowers = ("force_residual", "moment_residual")
 
 
 class Orientation(HalfSquared):
@@ -126,10 +182,14 @@ class Orientation(HalfSquared):
     symbol = "φ_r"
     about = "orientation: contacts to reference orientations"
     equation = "4.41"
-    space = TaskSpace.ORIENTATION
+    space = ORIENTATION
     sensors = ("σ_r",)
     effectors = ("τ_r",)
     references = ("σ_r",)
+    law = InverseKinematics()
+    difference = TURNING
+    displaced_by = GradientSpace.ROTATION
+    is_capped = True
 
 
 class Moment(HalfSquared):
@@ -138,10 +198,11 @@ class Moment(HalfSquared):
     symbol = "φ_m"
     about = "moment: moments of contact forces to reference moments"
     equation = "Sec. 3.1.2"
-    space = TaskSpace.MOMENT
+    space = MOMENT
     sensors = ("σ_m",)
     effectors = ("τ_m",)
     references = ("σ_m",)
+    law = Pressing(of_moments=True)
 
 
 class PostureDistance(HalfSquared):
@@ -153,11 +214,12 @@ class PostureDistance(HalfSquared):
     symbol = "φ_k"
     about = "posture: joints to a reference posture, by default the middle of their ranges"
     equation = "4.25"
-    space = TaskSpace.POSTURE
+    space = POSTURE
     sensors = ("σ_k",)
     effectors = ("τ_k",)
     references = ("σ_k",)
     has_default_reference = True
+    law = ShareOfError()
 
 
 POTENTIALS: Mapping[str, Potential] = {
@@ -173,3 +235,14 @@ POTENTIALS: Mapping[str, Potential] = {
         PostureDistance(),
     )
 }
+
+
+def lowering() -> Mapping[str, tuple[Potential, ...]]:
+    """The end conditions that a phase can wait for, by their names in a spec, with the potentials that lower each."""
+    names = dict.fromkeys(name for potential in POTENTIALS.values() for name in potential.lowers)
+    return {name: tuple(known for known in POTENTIALS.values() if name in known.lowers) for name in names}
+
+
+def displaced_in(space: GradientSpace) -> Potential:
+    """The potential whose reference a gradient in a space can be."""
+    return next(potential for potential in POTENTIALS.values() if potential.displaced_by is space)

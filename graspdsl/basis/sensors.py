@@ -6,7 +6,7 @@ physical contact, 1/|α| for each member of a virtual contact (Eq. 4.32).
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -14,24 +14,39 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import along, cross
-from graspdsl.basis.spaces import TaskSpace
+from graspdsl.basis.entry import Entry
+from graspdsl.basis.spaces import (
+    FORCE,
+    MOMENT,
+    NET_FORCE,
+    NET_MOMENT,
+    NET_WRENCH,
+    NORMAL,
+    ORIENTATION,
+    POSITION,
+    POSTURE,
+    TaskSpace,
+)
 
 
-class Sensor(ABC):
+class Sensor(Entry):
     """A sensor transform: ``reads`` names its inputs (fields of an Observation, or ``origin``).
 
     ``per_contact`` sensors give one row a resource, the others one vector for the whole set. ``over_joints`` sensors
-    take joint sets instead of contacts. Sensors that do not ``feel_gravity`` leave γ_g out of a set.
+    take joint sets instead of contacts. Sensors that do not ``feel_gravity`` leave γ_g out of a set. ``measures``: the
+    end condition of a phase that bounds the norm of what is sensed. One that ``turns_alike`` senses of every contact of
+    a held object what moving any of them changes. The directions of one that ``makes_forces`` are reference forces,
+    of as many newtons as their factor says.
     """
 
-    symbol: ClassVar[str]
-    about: ClassVar[str]
-    equation: ClassVar[str]
     space: ClassVar[TaskSpace]
     reads: ClassVar[tuple[str, ...]]
     per_contact: ClassVar[bool]
     over_joints: ClassVar[bool] = False
     feels_gravity: ClassVar[bool] = True
+    measures: ClassVar[str] = ""
+    turns_alike: ClassVar[bool] = False
+    makes_forces: ClassVar[bool] = False
 
     @abstractmethod
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
@@ -44,9 +59,10 @@ class UnitNormals(Sensor):
     symbol = "σ_n"
     about = "inward unit normals"
     equation = "4.10"
-    space = TaskSpace.NORMAL
+    space = NORMAL
     reads = ("normals",)
     per_contact = True
+    makes_forces = True
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R n, shape (..., m, 3)."""
@@ -60,7 +76,7 @@ class Positions(Sensor):
     symbol = "σ_p"
     about = "contact positions"
     equation = "4.20"
-    space = TaskSpace.POSITION
+    space = POSITION
     reads = ("points",)
     per_contact = True
 
@@ -79,7 +95,7 @@ class Forces(Sensor):
     symbol = "σ_f"
     about = "contact forces along the normals"
     equation = "4.21"
-    space = TaskSpace.FORCE
+    space = FORCE
     reads = ("forces", "normals")
     per_contact = True
 
@@ -95,9 +111,10 @@ class NetForce(Sensor):
     symbol = "σ_fr"
     about = "net force of unit contact forces"
     equation = "4.11"
-    space = TaskSpace.NET_FORCE
+    space = NET_FORCE
     reads = ("normals",)
     per_contact = False
+    measures = "force_residual"
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Σ w n, shape (..., 3)."""
@@ -111,9 +128,10 @@ class NetMoment(Sensor):
     symbol = "σ_mr"
     about = "net moment of unit contact forces"
     equation = "4.15"
-    space = TaskSpace.NET_MOMENT
+    space = NET_MOMENT
     reads = ("points", "normals", "origin")
     per_contact = False
+    measures = "moment_residual"
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Σ w (x − c) × n, shape (..., 3)."""
@@ -130,7 +148,7 @@ class NetWrench(Sensor):
     symbol = "σ_w"
     about = "net wrench of unit contact forces"
     equation = "Sec. 4.1.3"
-    space = TaskSpace.NET_WRENCH
+    space = NET_WRENCH
     reads = ("points", "normals", "origin", "curvature_radius")
     per_contact = False
 
@@ -151,10 +169,11 @@ class Orientations(Sensor):
     symbol = "σ_r"
     about = "contact orientations"
     equation = "4.41"
-    space = TaskSpace.ORIENTATION
+    space = ORIENTATION
     reads = ("orientations",)
     per_contact = True
     feels_gravity = False
+    turns_alike = True
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R r, shape (..., m, 3)."""
@@ -168,7 +187,7 @@ class Moments(Sensor):
     symbol = "σ_m"
     about = "moments of the contact forces along the normals"
     equation = "Sec. 3.1.2"
-    space = TaskSpace.MOMENT
+    space = MOMENT
     reads = ("points", "forces", "normals", "origin")
     per_contact = True
 
@@ -184,7 +203,7 @@ class Posture(Sensor):
     symbol = "σ_k"
     about = "joint positions"
     equation = "4.25"
-    space = TaskSpace.POSTURE
+    space = POSTURE
     reads = ("joints",)
     per_contact = False
     over_joints = True
@@ -209,3 +228,8 @@ SENSORS: Mapping[str, Sensor] = {
         Posture(),
     )
 }
+
+
+def measuring(condition: str) -> Sensor:
+    """The sensor transform whose norm an end condition bounds, by its name in a spec."""
+    return next(sensor for sensor in SENSORS.values() if sensor.measures == condition)

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import enum
+from dataclasses import dataclass
 
 
-class TaskSpace(enum.Enum):
-    """What a potential's error is measured in; sensors map to it."""
+@dataclass(frozen=True, slots=True)
+class TaskSpace:
+    """What a potential's error is measured in; sensors map to it. ``unit``: of its numbers."""
 
-    NET_FORCE = "net unit force (1)"
-    NET_MOMENT = "net moment of unit forces (m)"
-    POSITION = "contact positions (m)"
-    ORIENTATION = "contact orientations (rad)"
-    FORCE = "contact forces (N)"
-    MOMENT = "contact moments (N·m)"
-    POSTURE = "joint positions (rad or m)"
-    NET_WRENCH = "net wrench of unit forces (1, m)"
-    NORMAL = "unit normals (1)"
+    name: str
+    unit: str
+
+    @property
+    def about(self) -> str:
+        """The space in words, with its unit."""
+        return f"{self.name} ({self.unit})"
+
+
+NET_FORCE = TaskSpace("net unit force", "1")
+NET_MOMENT = TaskSpace("net moment of unit forces", "m")
+NET_WRENCH = TaskSpace("net wrench of unit forces", "1, m")
+POSITION = TaskSpace("contact positions", "m")
+ORIENTATION = TaskSpace("contact orientations", "rad")
+FORCE = TaskSpace("contact forces", "N")
+MOMENT = TaskSpace("contact moments", "N·m")
+POSTURE = TaskSpace("joint positions", "rad or m")
+NORMAL = TaskSpace("unit normals", "1")
 
 
 class GradientSpace(enum.Enum):
@@ -36,7 +47,3 @@ class GradientSpace(enum.Enum):
             GradientSpace.ROTATION: "rotation of a held object with its contacts (rad)",
             GradientSpace.JOINTS: "joint displacements (m or rad)",
         }[self]
-
-
-# A gradient in this space can be the reference of a controller of that task space: reference = sensed + displacement.
-DISPLACES = {GradientSpace.CARTESIAN: TaskSpace.POSITION, GradientSpace.ROTATION: TaskSpace.ORIENTATION}

@@ -7,13 +7,12 @@ from copy import copy
 from dataclasses import replace
 from typing import TypeVar
 
-from graspdsl.basis.effector import Effector
-from graspdsl.basis.effectors import EFFECTORS
+from graspdsl.basis.effectors import EFFECTORS, Effector
+from graspdsl.basis.entry import cited
 from graspdsl.basis.potentials import POTENTIALS, Potential
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
-from graspdsl.basis.spaces import GradientSpace, TaskSpace
-from graspdsl.compiler.citing import cited
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.definitions import TOO_LARGE, Bindings, Definition, abbreviations_in, expanded, in_order_of_use
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
@@ -299,7 +298,7 @@ class Checker:
         if sensor is not None and sensor.symbol not in potential.sensors:
             self.complaints.error(
                 "wrong-sensor",
-                f"{potential.symbol} works on {potential.space.value}; {sensor.symbol} senses {sensor.space.value}",
+                f"{potential.symbol} works on {potential.space.about}; {sensor.symbol} senses {sensor.space.about}",
                 tree.sensor.span,
                 f"use {listed(potential.sensors, 'or')}",
             )
@@ -332,7 +331,7 @@ class Checker:
 
     def _turn_alike(self, sensor: Sensor) -> bool:
         """Whether what is sensed of one contact is served by moving any: a held object turns with all of them."""
-        return sensor.space is TaskSpace.ORIENTATION and self._resources.senses_gravity
+        return sensor.turns_alike and self._resources.senses_gravity
 
     def _resolved(self, resources: syntax.Resources, over_joints: bool) -> ContactSet | JointSet | None:
         return self._resources.resolve_joints(resources) if over_joints else self._resources.resolve(resources)

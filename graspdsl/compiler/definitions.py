@@ -11,7 +11,7 @@ from typing import TypeVar
 import yaml
 
 import graspdsl.basis
-from graspdsl.compiler.citing import cited
+from graspdsl.basis.entry import cited
 from graspdsl.compiler.complaints import Complaints, whole
 from graspdsl.compiler.declarations import Entry
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span

@@ -10,8 +10,9 @@ from typing import get_args
 
 import numpy as np
 
+from graspdsl.basis.potentials import POTENTIALS, Potential
 from graspdsl.basis.resources import ContactSet, JointSet
-from graspdsl.basis.spaces import TaskSpace
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.general_position import in_general_position
 from graspdsl.compiler.graph import (
@@ -23,7 +24,7 @@ from graspdsl.compiler.graph import (
     compositions_in,
     controllers_in,
 )
-from graspdsl.compiler.phase import CONDITIONS, CheckedPhase
+from graspdsl.compiler.phase import CheckedPhase, conditions_lowered
 from graspdsl.compiler.pipeline import Pipeline, fingerprint
 from graspdsl.compiler.settings import Target, target_of
 from graspdsl.diagnostics import Diagnostic, Severity, listed
@@ -104,14 +105,15 @@ class _Check:
         """What is said of the mount and of the object and nothing depends on."""
         scene, thing, path = self.spec.scene, self.spec.scene.object, ("scene", "object")
         idle: dict[Path, str] = {}
-        if self.target.floats and "mount" in scene.model_fields_set:
-            idle["scene", "mount"] = "floating contacts have no hand"
-        if isinstance(thing, InlineObject) and (self.target.floats or thing.fixed):
-            why = "floating contacts feel no weight" if self.target.floats else "the object is fixed to the world"
+        lacks = self.target.world.lacks
+        if "hand" in lacks and "mount" in scene.model_fields_set:
+            idle["scene", "mount"] = lacks["hand"]
+        if isinstance(thing, InlineObject) and ("weight" in lacks or thing.fixed):
+            why = lacks.get("weight", "the object is fixed to the world")
             idle.update({(*path, "mass"): why} if thing.mass is not None else {})
             idle.update({(*path, "mesh", "density"): why} if thing.mesh and thing.mesh.density is not None else {})
         shape = thing.shape if isinstance(thing, InlineObject) else None
-        if shape is not None and not self.target.floats:
+        if shape is not None and "edges" not in lacks:
             given = (key for key in shape.floating_only if key in shape.model_fields_set)
             idle.update(((*path, shape.name, key), "edges are rounded only where contacts float") for key in given)
         for place, why in idle.items():
@@ -178,8 +180,8 @@ class _Check:
     def stages(self, index: int, settings: Phase, phase: CheckedPhase) -> None:
         """Hysteresis where no earlier stage has a residual to give up."""
         waited = {name for name in ("force_residual", "moment_residual") if getattr(settings.until, name) is not None}
-        lowered = {node.potential.space for stage in phase.stages[:-1] for node in controllers_in(stage)}
-        if settings.hysteresis is not None and not any(CONDITIONS[name][0] & lowered for name in waited):
+        lowered = {name for stage in phase.stages[:-1] for name in conditions_lowered(stage)}
+        if settings.hysteresis is not None and not waited & lowered:
             why = "no earlier stage has a residual to hold" if len(phase.stages) > 1 else "there is no 'a then b' here"
             message = f"hysteresis has no effect: {why}"
             self._warn("no-effect", message, ("program", index, "hysteresis"), "leave it out")
@@ -218,9 +220,9 @@ class _Check:
         """The forces that references ask contacts for, as far as they are numbers."""
         for node in self._nodes([phase]):
             resources, reference = node.sensor_resources, node.reference
-            if node.potential.space is not TaskSpace.FORCE or not isinstance(resources, ContactSet):
+            if not _asks_forces(node) or not isinstance(resources, ContactSet):
                 continue
-            if isinstance(reference, SensorReference) and reference.sensor.space is TaskSpace.NORMAL:
+            if isinstance(reference, SensorReference) and reference.sensor.makes_forces:
                 for contact in resources.contacts:
                     label = reference.parameter or reference.label
                     yield _Pressed(reference.factor, contact, label, reference.parameter)
@@ -236,7 +238,7 @@ class _Check:
             return
         presses = self.motion.strongest()
         asked = [(index, force) for index, phase in enumerate(phases) if phase for force in self._pressed(phase)]
-        ends, told = self.spec.scene.sensor.touch.ends, set[str]()
+        ends, told = self.target.world.sensor(self.spec.scene.sensing).touch.ends, set[str]()
         for index, force in asked:
             name, press = self.robot.contacts[force.contact], presses[force.contact]
             asks = f"{force.label} asks {name} for {force.size:g} N"
@@ -258,12 +260,12 @@ class _Check:
 
     def damping(self, phases: Sequence[CheckedPhase]) -> None:
         """A pseudo-inverse does σ²/(σ² + λ²) of a step along a singular direction; less than half where λ > σ."""
-        control, spaces = self.spec.control, {node.potential.space for node in self._nodes(phases)}
+        control = self.spec.control
         if self.motion is None or control.inverse != "pseudo-inverse":
             return
-        for space, turning in ((TaskSpace.POSITION, False), (TaskSpace.ORIENTATION, True)):
-            if space in spaces:
-                largest = self.motion.largest_singular_value(turning, control.damping)
+        for potential in self._potentials(phases):
+            if potential.law.damped:
+                largest = self.motion.largest_singular_value(potential.difference.turns, control.damping)
                 if largest < control.damping:
                     share = largest**2 / (largest**2 + control.damping**2)
                     message = f"a damping of {control.damping:g} leaves at most {100 * share:.2g} % of each step: the "
@@ -274,14 +276,12 @@ class _Check:
 
     def control(self, phases: Sequence[CheckedPhase], pipelines: Sequence[Pipeline]) -> None:
         """Gains of zero, and settings that no pipeline of the program depends on: those of all phases, as they are."""
-        control, spaces = self.spec.control, {node.potential.space for node in self._nodes(phases)}
-        idle = {
-            "moment_gain": (control.moment_gain, TaskSpace.NET_MOMENT, "φ_mr", "moves no contact"),
-            "admittance": (control.admittance, TaskSpace.FORCE, "φ_f", "does not press"),
-        }
-        for name, (gain, space, potential, consequence) in idle.items():
-            if gain == 0.0 and space in spaces:
-                self._warn("no-effect", f"with {name} 0, {potential} {consequence}", ("control", name), "leave it out")
+        control = self.spec.control
+        for potential in self._potentials(phases):
+            gain = potential.law.gain
+            if gain and getattr(control, gain) == 0.0:
+                message = f"with {gain} 0, {potential.symbol} {potential.law.without}"
+                self._warn("no-effect", message, ("control", gain), "leave it out")
         waits = any(p.until.force_residual or p.until.moment_residual for p in self.spec.program)
         as_set = _numbers(pipelines)
         for name in sorted(control.model_fields_set):
@@ -299,6 +299,11 @@ class _Check:
         compiled = ([pipeline for phase in phases for pipeline in phase.pipelines(target)] for target in targets)
         return any(_numbers(pipelines) != as_set for pipelines in compiled)
 
+    def _potentials(self, phases: Sequence[CheckedPhase]) -> list[Potential]:
+        """The potentials of all controllers, each once, in the order of their table."""
+        used = {node.potential.symbol for node in self._nodes(phases)}
+        return [potential for symbol, potential in POTENTIALS.items() if symbol in used]
+
     def _nodes(self, phases: Sequence[CheckedPhase]) -> Iterator[ControllerNode]:
         for phase in phases:
             for graph in phase.executed(self.target):
@@ -315,8 +320,13 @@ def _yielding_forces(graph: ControllerGraph, robot: Robot) -> Iterator[tuple[str
     for chain in compositions_in(graph):
         for lower, higher in combinations(chain.terms, 2):
             for force, other in product(_levels(lower), _levels(higher)):
-                if force.potential.space is TaskSpace.FORCE and _moves_the_same(force, other, robot):
+                if _asks_forces(force) and _moves_the_same(force, other, robot):
                     yield force.potential.symbol, other.potential.symbol
+
+
+def _asks_forces(node: ControllerNode) -> bool:
+    """Whether a controller's reference is what contacts press with."""
+    return "force_error" in node.potential.lowers
 
 
 def _levels(graph: ControllerGraph) -> list[ControllerNode]:
@@ -328,7 +338,7 @@ def _moves_the_same(force: ControllerNode, other: ControllerNode, robot: Robot) 
     """Whether another controller places a contact of a force controller, or all the joints of its finger."""
     pressed, placed = force.sensor_resources, other.sensor_resources
     assert isinstance(pressed, ContactSet)
-    if other.potential.space is TaskSpace.POSITION and isinstance(placed, ContactSet):
+    if other.potential.displaced_by is GradientSpace.CARTESIAN and isinstance(placed, ContactSet):
         return not set(pressed.contacts).isdisjoint(placed.contacts)
     if isinstance(placed, JointSet) and isinstance(other.effector_resources, JointSet):
         joints = list(robot.joints)

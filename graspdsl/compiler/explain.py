@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from graspdsl.basis.entry import cited
 from graspdsl.basis.resources import ContactSet, JointSet
-from graspdsl.basis.sensors import SENSORS
-from graspdsl.compiler.citing import cited
+from graspdsl.basis.sensors import measuring
 from graspdsl.compiler.definitions import Definition
 from graspdsl.compiler.general_position import in_general_position
 from graspdsl.compiler.graph import (
@@ -24,6 +24,7 @@ from graspdsl.compiler.graph import (
 )
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
+from graspdsl.compiler.program import Program
 from graspdsl.compiler.settings import Target
 from graspdsl.notation.printer import to_ascii, to_unicode
 
@@ -140,9 +141,9 @@ class Explanation:
     def _pace(self) -> str:
         """How often the pipeline is evaluated, and what a step of it is."""
         rate = f"{self.target.rate:g} times a second"
-        if self.target.floats:
-            return f"{rate}, contacts float"
-        return f"once a probe, {rate} for joint displacements" if self.target.probes else f"{rate}, contacts slide"
+        if self.target.probes:
+            return f"once a probe, {rate} for joint displacements"
+        return f"{rate}, {self.target.world.pace}"
 
     def _stage(self, graph: ControllerGraph, name: str) -> str:
         rows = [f"  {name}"] if len(self.phase.stages) > 1 else []
@@ -151,18 +152,25 @@ class Explanation:
         return "\n".join(rows)
 
 
-def explained(phase: CheckedPhase, target: Target) -> Explanation:
-    """The explanation of a checked formula for a robot."""
-    pipelines = phase.pipelines(target)
-    observation = in_general_position(target.robot)
-    shapes = tuple(tuple(np.shape(v) for v in pipeline.values(observation)) for pipeline in pipelines)
-    return Explanation(phase, target, phase.executed(target), pipelines, shapes)
+def explained(program: Program) -> tuple[Explanation, ...]:
+    """The explanation of every phase of a program, out of the pipelines that run."""
+    observation, target = in_general_position(program.robot), program.target
+
+    def shapes(pipeline: Pipeline) -> tuple[tuple[int, ...], ...]:
+        return tuple(np.shape(value) for value in pipeline.values(observation))
+
+    return tuple(
+        Explanation(phase, target, phase.executed(target), pipelines, tuple(map(shapes, pipelines)))
+        for phase, pipelines in zip(program.phases, program.pipelines(), strict=True)
+    )
 
 
 def _is_plain_sum(graph: Composition) -> bool:
     """Σ (P_i F)·(f_i × M) = F·(F × M) = 0: force and moment residual of the same contacts, each with weight one."""
     nodes = [term for term in graph.terms if isinstance(term, ControllerNode)]
-    if {node.potential.symbol for node in nodes} != {"φ_fr", "φ_mr"} or len(nodes) != len(graph.terms):
+    potentials = {node.potential.symbol: node.potential for node in nodes}
+    normal = [{symbol, other} for symbol, known in potentials.items() for other in known.normal_to]
+    if set(potentials) not in normal or len(nodes) != len(graph.terms):
         return False
     sets = [resources for node in nodes for resources in _sets(node)]
     return all(
@@ -200,11 +208,10 @@ def _graph(graph: ControllerGraph, indent: str) -> list[str]:
         return [row for term in reversed(graph.terms) for row in _graph(term, indent)]
     potential, sensor, effector = graph.potential, graph.sensor, graph.effector
     rows = [
-        f"{indent}{potential.symbol}  {potential.about} ({cited(potential.equation)})",
-        f"{indent}  senses  {sensor.symbol}({graph.sensor_resources.label})  {sensor.space.value} "
-        f"({cited(sensor.equation)})",
+        f"{indent}{potential.symbol}  {potential.about} ({potential.source})",
+        f"{indent}  senses  {sensor.symbol}({graph.sensor_resources.label})  {sensor.space.about} ({sensor.source})",
         f"{indent}  moves   {effector.symbol}({graph.effector_resources.label})  {effector.about} "
-        f"→ {effector.gradient_space.value} ({cited(effector.equation)})",
+        f"→ {effector.gradient_space.value} ({effector.source})",
     ]
     match graph.reference:
         case ControllerReference(controller):
@@ -238,7 +245,7 @@ def _node(node: ControllerNode) -> dict[str, Any]:
     return {
         "formula": node.label,
         "potential": node.potential.symbol,
-        "task_space": node.potential.space.value,
+        "task_space": node.potential.space.about,
         "gradient_space": node.gradient_space.value,
         "equations": [node.potential.equation, node.sensor.equation, node.effector.equation],
         "reference": _reference(node) or None,
@@ -262,7 +269,8 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...]) -> s
             add(part, f"{indent}{'└─ ' if last else '├─ '}", indent + ("   " if last else "│  "))
 
     add(pipeline.command, "  ", "  ")
-    monitored = {SENSORS["σ_fr"].symbol: pipeline.force_residual, SENSORS["σ_mr"].symbol: pipeline.moment_residual}
+    residuals = {"force_residual": pipeline.force_residual, "moment_residual": pipeline.moment_residual}
+    monitored = {measuring(name).symbol: step for name, step in residuals.items()}
     if pipeline.force_error is not None:
         monitored["force error"] = pipeline.force_error
     rows.append("  monitored: " + ", ".join(f"{name} [{step}]" for name, step in monitored.items()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graspdsl.basis.effector import Effector
+from graspdsl.basis.effectors import Effector
 from graspdsl.basis.potentials import Potential
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import Sensor

@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from graspdsl.basis.resources import ContactSet
-from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import GradientSpace, TaskSpace
-from graspdsl.compiler import operations
-from graspdsl.compiler.citing import cited
-from graspdsl.compiler.errors import Errors
-from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
-from graspdsl.compiler.laws import Laws
+from graspdsl.arrays import Array
+from graspdsl.basis import operations
+from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
+from graspdsl.basis.effectors import Effector
+from graspdsl.basis.laws import Slope
+from graspdsl.basis.potentials import Difference
+from graspdsl.basis.resources import ContactSet, JointSet
+from graspdsl.basis.sensors import Sensor, measuring
+from graspdsl.basis.spaces import GradientSpace
+from graspdsl.compiler.graph import (
+    Composition,
+    ControllerGraph,
+    ControllerNode,
+    ControllerReference,
+    SensorReference,
+    VectorReference,
+)
 from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder, Projection
 from graspdsl.compiler.settings import Target
-from graspdsl.compiler.transforms import Transforms
+from graspdsl.hands.descriptions import joint_limits
+
+READINGS = {
+    "points": "contact points [m]",
+    "normals": "inward unit normals",
+    "forces": "contact forces [N]",
+    "touching": "which contacts touch",
+    "joints": "joint positions [m or rad]",
+    "orientations": "fingertip orientations [rad]",
+    "centre_of_mass": "the object's centre of mass [m]",
+    "weight": "the object's weight [N]",
+}
+DOWN = np.array([0.0, 0.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,40 +62,165 @@ class Level:
 
 def compile_controller(graph: ControllerGraph, grasp: ContactSet, target: Target) -> Pipeline:
     """The pipeline of a checked controller. ``grasp``: the resources whose residuals are monitored."""
-    return _Lowering(grasp, target).pipeline(graph)
+    return _Lowering(_Bench(grasp, target)).pipeline(graph)
+
+
+class _Bench(PipelineBuilder):
+    """Makes the steps of sensor and effector transforms over resource sets, and what laws ask for.
+
+    Joints are worked with in scaled coordinates, each divided by its weight, so that metres and radians weigh alike in
+    transposes, inverses and projectors.
+    """
+
+    def __init__(self, grasp: ContactSet, target: Target) -> None:
+        super().__init__()
+        self.grasp, self.target, self.control = grasp, target, target.control
+        self.rate, self.each, self.held = target.rate, target.each, target.held
+        self.step = target.step(float(grasp.weights @ grasp.weights))
+
+    def mixing(self, resources: ContactSet) -> Array:
+        """The rows (m, k) of per-contact tasks: one a member of a virtual contact, or one a resource (their mean)."""
+        if self.control.virtual == "common":
+            return resources.matrix
+        chosen = [contact for member in resources.members for contact, _ in member.weights]
+        rows: Array = np.eye(resources.matrix.shape[1])[chosen]
+        return rows
+
+    def fingers(self, resources: ContactSet) -> Array:
+        robot = self.target.robot
+        return np.array(
+            [
+                [float(index in resources.contacts and joint in contact.finger) for joint in robot.joints]
+                for index, contact in enumerate(robot.hand.contacts.values())
+            ]
+        )
+
+    def sensor(self, sensor: Sensor, resources: ContactSet | JointSet, mixing: Array | None = None) -> int:
+        """σ(Γ); ``mixing`` overrules the rows that the control settings ask for."""
+        if mixing is None:
+            mixing = self._rows(sensor, resources)
+        with_gravity = isinstance(resources, ContactSet) and resources.has_gravity
+        return self.apply(
+            f"{sensor.symbol}({resources.label})",
+            f"{sensor.about}, {sensor.source}",
+            partial(sensor.evaluate, mixing),
+            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in sensor.reads],
+        )
+
+    def _rows(self, sensor: Sensor, resources: ContactSet | JointSet) -> Array:
+        if isinstance(resources, JointSet):
+            return resources.matrix
+        return self.mixing(resources) if sensor.per_contact else resources.weights
+
+    def effector(self, effector: Effector, resources: ContactSet | JointSet, sensed: ContactSet | JointSet) -> int:
+        """τ(Γτ) of a controller that senses ``sensed``, in joint space with a row for each of its rows."""
+        space = effector.gradient_space
+        label, with_gravity = f"{effector.symbol}({resources.label})", False
+        if isinstance(resources, JointSet):
+            assert isinstance(sensed, JointSet)
+            mixing = sensed.matrix * resources.mask
+        elif space is GradientSpace.ROTATION:
+            assert isinstance(sensed, ContactSet)
+            mixing, with_gravity = sensed.turning, sensed.has_gravity
+        else:
+            assert isinstance(sensed, ContactSet)
+            mixing = self.mixing(sensed) if space is GradientSpace.JOINTS else resources.weights
+        step = self.apply(
+            label,
+            f"{effector.about}, {effector.source}",
+            partial(effector.evaluate, mixing),
+            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in effector.reads],
+        )
+        if self.held and "angular_jacobian" in effector.reads:
+            turning = partial(np.multiply, np.array(self.target.turning_joints, dtype=float))
+            return self.apply(label, "the fingers hold still", turning, step)
+        shared = self.control.virtual == "common" and isinstance(resources, ContactSet) and resources.has_virtual
+        if space in (GradientSpace.ROTATION, GradientSpace.JOINTS) or not shared:
+            return step
+        assert isinstance(resources, ContactSet)
+        together = (resources.matrix > 0.0).astype(float)
+        about, sharing = "members of a virtual contact move as one, Eq. 4.34", together.T @ together
+        if space is GradientSpace.SURFACE and self.control.surface == "tangent":
+            share = partial(operations.shared_along_frames, sharing)
+            return self.apply(label, about, share, step, self.read("frames"))
+        return self.apply(label, about, partial(operations.shared, sharing), step)
+
+    def read(self, name: str) -> int:
+        """A field of the observation, or a quantity made of one."""
+        match name:
+            case "jacobian" | "angular_jacobian":
+                turning = "angular " if name == "angular_jacobian" else ""
+                raw = self.observe(name, f"{turning}Jacobians of the contacts")
+                scale = partial(np.multiply, np.array(self.target.robot.weights))
+                return self.apply("J", f"{turning}Jacobians in scaled joint coordinates", scale, raw)
+            case "joint_weights":
+                return self.constant("D", "joint weights", np.array(self.target.robot.weights))
+            case "curvature_radius":
+                radius = np.array(self.control.curvature_radius)
+                return self.constant("r", f"radius of the model sphere, {radius:g} m", radius)
+            case "frames":
+                frames = spherical_frames if self.control.surface == "spherical" else tangent_frames
+                return self.apply("(r̂_θ r̂_φ)", "frames of the tangent planes", frames, self.read("normals"))
+            case "stretch" if self.control.surface == "spherical":
+                return self.apply("(cosφ, 1)", "stretch of the coordinates", spherical_stretch, self.read("normals"))
+            case "stretch":
+                return self.constant("(1, 1)", "stretch of the coordinates: none", np.ones((self.grasp.count, 2)))
+            case "origin":
+                return self._origin()
+        return self.observe(name, READINGS[name])
+
+    def _read_with_gravity(self, name: str) -> int:
+        """A reading over the contacts and, last, gravity (Eq. 4.35 to 4.37)."""
+        match name:
+            case "points":
+                last, about = self.read("centre_of_mass"), "contact points and the centre of mass, Eq. 4.35"
+            case "forces":
+                last, about = self.read("weight"), "contact forces and the weight, Eq. 4.36"
+            case "normals":
+                last, about = self.constant("γ_g", "down", DOWN), "normals and down, Eq. 4.37"
+            case _:
+                return self.read(name)
+        return self.apply(f"{name}, γ_g", about, operations.with_last_row, self.read(name), last)
+
+    def _origin(self) -> int:
+        match self.control.origin:
+            case "world":
+                return self.constant("c", "origin of moments: the world's", np.zeros(3))
+            case "object":
+                return self.apply("c", "origin of moments: the object's", operations.same, self.read("centre_of_mass"))
+        mean = partial(np.matmul, self.grasp.weights / self.grasp.weights.sum())
+        points = self._read_with_gravity("points") if self.grasp.has_gravity else self.read("points")
+        return self.apply("c", "origin of moments: centroid of the contacts", mean, points)
 
 
 class _Lowering:
-    def __init__(self, grasp: ContactSet, target: Target) -> None:
-        self._grasp, self._target, self._control = grasp, target, target.control
-        self._build = PipelineBuilder()
-        self._transforms = Transforms(self._build, grasp, target)
-        self._errors = Errors(self._build, self._transforms, target, self._motion)
-        self._laws = Laws(self._build, self._transforms, grasp, target)
+    def __init__(self, bench: _Bench) -> None:
+        self._bench, self._target, self._control = bench, bench.target, bench.control
         self._leaks: list[Leak] = []
         self._ranks: list[int] = []
         self._projections: list[Projection] = []
         self._force_errors: list[int] = []
 
     def pipeline(self, graph: ControllerGraph) -> Pipeline:
-        space, command = graph.gradient_space, self._motion(graph)
+        """All steps from what is read to the command and to what is monitored."""
+        bench, space, command = self._bench, graph.gradient_space, self._motion(graph)
         if space is GradientSpace.SURFACE:
-            frames, radius = self._transforms.read("frames"), self._transforms.read("curvature_radius")
-            by_surface = self._build.apply("Δψ(γ)", "by contact", operations.by_surface, command)
+            frames, radius = bench.read("frames"), bench.read("curvature_radius")
+            by_surface = bench.apply("Δψ(γ)", "by contact", operations.by_surface, command)
             about = "displacement of the contacts [m], Eq. 4.27"
-            command = self._build.apply("Δx", about, operations.from_surface, frames, radius, by_surface)
+            command = bench.apply("Δx", about, operations.from_surface, frames, radius, by_surface)
         elif space is GradientSpace.CARTESIAN:
-            command = self._build.apply("Δx", "by contact", operations.by_contact, command)
+            command = bench.apply("Δx", "by contact", operations.by_contact, command)
         if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
             cap = partial(operations.capped_rows, self._target.cap)
             about = f"capped at {1000 * self._target.cap:.3g} mm a {self._target.each}"
-            command = self._build.apply("Δx", about, cap, command)
-        force_residual = self._transforms.sensor(SENSORS["σ_fr"], self._grasp)
-        moment_residual = self._transforms.sensor(SENSORS["σ_mr"], self._grasp)
+            command = bench.apply("Δx", about, cap, command)
+        force_residual = bench.sensor(measuring("force_residual"), bench.grasp)
+        moment_residual = bench.sensor(measuring("moment_residual"), bench.grasp)
         outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]
         force_error = self._largest_force_error()
         outputs += [] if force_error is None else [force_error]
-        steps, number = self._build.needed(outputs)
+        steps, number = bench.needed(outputs)
         return Pipeline(
             steps=steps,
             command=number[command],
@@ -94,7 +241,7 @@ class _Lowering:
             return None
         largest, *others = self._force_errors
         for other in others:
-            largest = self._build.apply("max", "of all force controllers [N]", np.maximum, largest, other)
+            largest = self._bench.apply("max", "of all force controllers [N]", np.maximum, largest, other)
         return largest
 
     def _motion(self, graph: ControllerGraph) -> int:
@@ -103,53 +250,116 @@ class _Lowering:
         if graph.gradient_space is not GradientSpace.JOINTS:
             return displacement
         unscale = partial(np.multiply, np.array(self._target.robot.weights))
-        return self._build.apply("Δq", f"{graph.gradient_space.about}, scaled back", unscale, displacement)
+        return self._bench.apply("Δq", f"{graph.gradient_space.about}, scaled back", unscale, displacement)
 
     def _level(self, graph: ControllerGraph) -> Level:
         return self._composition(graph) if isinstance(graph, Composition) else self._controller(graph)
 
     def _composition(self, graph: Composition) -> Level:
         """∇hi + N ∇lo for any depth: each level runs in the null space of all higher ones at once (Eq. 4.19)."""
-        by_task = self._control.nullspace == "task"
+        bench, by_task = self._bench, self._control.nullspace == "task"
         project = operations.task_projector if by_task else operations.gradient_projector
         highest, *lower = (self._level(term) for term in reversed(graph.terms))
         above, total = list(highest.single), highest.displacement
         for level in lower:
             felt = [higher.task if by_task else higher.displacement for higher in above]
             names = ", ".join(("τ " if by_task else "∇") + higher.label for higher in above)
-            projector = self._build.apply(
-                f"N({names})", "projector on the null space of what is higher", project, *felt
-            )
-            projected = self._build.apply(
+            projector = bench.apply(f"N({names})", "projector on the null space of what is higher", project, *felt)
+            projected = bench.apply(
                 f"N Δ{level.label}", "the lower level, projected", operations.times, projector, level.displacement
             )
-            self._ranks.append(self._build.apply("rank", "dimension of the null space", operations.rank, projector))
+            self._ranks.append(bench.apply("rank", "dimension of the null space", operations.rank, projector))
             labels = tuple(higher.label for higher in above)
             self._projections.append(Projection(level.label, labels, level.displacement, projected))
             for higher, step in zip(above, felt, strict=True):
                 self._certify(level, higher, step, projected)
-            total = self._build.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)
+            total = bench.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)
             above += level.single
         tasks = [level.task for level in above]
-        task = self._build.apply("τ", "the tasks of all levels", operations.stacked, *tasks)
+        task = bench.apply("τ", "the tasks of all levels", operations.stacked, *tasks)
         label = f"({' ◁ '.join(level.label for level in reversed(above))})"
         return Level(label, total, task, tuple(above))
 
     def _certify(self, lower: Level, higher: Level, felt: int, projected: int) -> None:
         measure = operations.leak if self._control.nullspace == "task" else operations.gradient_leak
         label = f"leak {lower.label} → {higher.label}"
-        step = self._build.apply(
+        step = self._bench.apply(
             label, "share of the lower level that the higher one feels", measure, felt, lower.displacement, projected
         )
         self._leaks.append(Leak(lower.label, higher.label, step))
 
     def _controller(self, node: ControllerNode) -> Level:
-        name = node.potential.symbol
-        error = self._errors.error(node)
-        if node.potential.space is TaskSpace.FORCE:
+        bench, potential = self._bench, node.potential
+        error = self._error(node)
+        if "force_error" in potential.lowers:
             about = "largest distance of a contact force from its reference [N]"
-            self._force_errors.append(self._build.apply("max |e φ_f|", about, operations.longest, error))
-        about = f"gradient of the potential, {cited(node.potential.equation)}"
-        slope = self._build.apply(f"∇{name}", about, node.potential.gradient, error)
-        task = self._transforms.effector(node.effector, node.effector_resources, node.sensor_resources)
-        return Level(name, self._laws.displacement(node, slope, task), task)
+            self._force_errors.append(bench.apply(f"max |e {potential.symbol}|", about, operations.longest, error))
+        about = f"gradient of the potential, {potential.source}"
+        gradient = bench.apply(f"∇{potential.symbol}", about, potential.gradient, error)
+        task = bench.effector(node.effector, node.effector_resources, node.sensor_resources)
+        slope = Slope(potential.symbol, potential.source, node.effector, node.effector_resources, gradient, task)
+        return Level(potential.symbol, potential.law.displacement(bench, slope), task)
+
+    # --- errors: what a controller strives for minus what it senses ---------------------------------------------------
+
+    def _error(self, node: ControllerNode) -> int:
+        """reference − sensed, flattened; a controller without a reference strives for zero or for its default."""
+        bench, resources, difference = self._bench, node.sensor_resources, node.potential.difference
+        sensed = bench.sensor(node.sensor, resources)
+        label = f"e {node.potential.symbol}"
+        if isinstance(resources, JointSet):
+            return bench.apply(label, "error: reference − sensed", np.subtract, self._posture(node, resources), sensed)
+        match node.reference:
+            case None:
+                return bench.apply(label, "error: zero − sensed", np.negative, sensed)
+            case VectorReference(name, values):
+                return self._from_vector(node, resources, name, np.array(values).reshape(-1, 3))
+            case SensorReference(name, factor, sensor, set_of_reference):
+                value = bench.sensor(sensor, set_of_reference)
+                value = bench.apply(name, "reference", partial(np.multiply, factor), value)
+            case ControllerReference(controller):
+                shift = self._shift(controller, resources, difference)
+                value = bench.apply("ref", "reference: sensed + displacement", difference.displaced, shift, sensed)
+        error = bench.apply(label, "error: reference − sensed", difference.between, value, sensed)
+        return bench.apply(label, "flattened", operations.flat, error)
+
+    def _shift(self, controller: ControllerGraph, resources: ContactSet, difference: Difference) -> int:
+        """One step of the controller in the reference, by resource, capped."""
+        capped, about = self._capped(difference)
+        moved = self._bench.apply(difference.label, about, capped, self._motion(controller))
+        mixing = self._bench.mixing(resources)
+        rows = partial(operations.rows_of, np.ones((len(mixing), 1)) if difference.turns else mixing)
+        return self._bench.apply(f"{difference.label}({resources.label})", "by resource", rows, moved)
+
+    def _from_vector(self, node: ControllerNode, resources: ContactSet, name: str, values: Array) -> int:
+        """Reference minus the resources' means; the members of a virtual contact share its error."""
+        bench, potential, label = self._bench, node.potential, f"e {node.potential.symbol}"
+        value = bench.constant(name, "reference", values)
+        means = bench.sensor(node.sensor, resources, resources.matrix)
+        error = bench.apply(label, "error: reference − sensed", potential.difference.between, value, means)
+        if self._control.virtual == "members":
+            owner = np.repeat(np.arange(len(resources.members)), [len(member.weights) for member in resources.members])
+            spread = np.eye(len(resources.members))[owner]
+            error = bench.apply(label, "error of each member", partial(np.matmul, spread), error)
+        error = bench.apply(label, "flattened", operations.flat, error)
+        if potential.is_capped:
+            capped, about = self._capped(potential.difference)
+            error = bench.apply(label, about, capped, error)
+        return error
+
+    def _capped(self, difference: Difference) -> tuple[Callable[[Array], Array], str]:
+        """What shortens displacements to the cap, and in words; a turn moves contacts at the curvature radius."""
+        cap = self._target.cap * (1.0 / self._control.curvature_radius if difference.turns else 1.0)
+        size = f"{cap:.3g} rad" if difference.turns else f"{1000 * cap:.3g} mm"
+        return partial(operations.capped, cap), f"capped at {size} a {self._target.each}"
+
+    def _posture(self, node: ControllerNode, joints: JointSet) -> int:
+        match node.reference:
+            case VectorReference(name, values):
+                return self._bench.constant(name, "reference posture", np.array(values))
+            case SensorReference(name, factor, sensor, set_of_reference):
+                value = self._bench.sensor(sensor, set_of_reference)
+                return self._bench.apply(name, "reference posture", partial(np.multiply, factor), value)
+        lower, upper = joint_limits(self._target.robot)
+        middle = joints.matrix @ (np.array(lower) + np.array(upper)) / 2
+        return self._bench.constant("q_mid", "middle of the joints' ranges", middle)

@@ -10,11 +10,14 @@ from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import OFF, TIMES
 from graspdsl.spec.scene import InlineObject
+from graspdsl.worlds.kind import Ability
 from graspdsl.worlds.kinds import WORLDS
 
-FLOATING = dict.fromkeys(("palm", "link", "table", "joint_limit"), "floating contacts have no hand")
-STAYING = dict.fromkeys(("lean", "shift", "dragged"), "the object that contacts float on stays put")
-TOUCHING = {"lost": "floating contacts never leave the surface"}
+NEEDS: Mapping[Ability, tuple[str, ...]] = {
+    "hand": ("palm", "link", "table", "joint_limit"),
+    "motion": ("lean", "shift", "dragged"),
+    "parting": ("lost",),
+}
 FIXED = dict.fromkeys(("lean", "shift", "dragged"), "the object is fixed to the world")
 HELD = {"table": "for a held object the table is out of the way"}
 ROLLING = {"lean": "a ball may roll, and never leans"}
@@ -44,7 +47,7 @@ def _never_long_enough(spec: Spec) -> Mapping[str, str]:
         idle["dragged"] = f"an object that has moved by {bounds.shift:g} m has ended the trial as diverged"
     if not waiting:
         idle["progress"] = "no phase waits for a residual"
-    elif bounds.progress != OFF and (world.floats or spec.control.displacement == "sliding"):
+    elif bounds.progress != OFF and not world.probes(spec.control.displacement):
         window = bounds.progress.window
         if 2.0 * window > max(waiting) + 1.0 / world.rate:
             idle["progress"] = f"no phase that waits for a residual lasts for two windows of {window:g} s"
@@ -54,9 +57,11 @@ def _never_long_enough(spec: Spec) -> Mapping[str, str]:
 def _idle(spec: Spec) -> Mapping[str, str]:
     """The monitors that have nothing to watch, each with the reason."""
     thing = spec.scene.object
-    if WORLDS[spec.scene.world].floats:
-        return {**FLOATING, **STAYING, **TOUCHING}
+    lacks = WORLDS[spec.scene.world].lacks
     idle = dict(HELD) if spec.scene.held else {}
+    idle |= {name: why for need, why in lacks.items() for name in NEEDS.get(need, ())}
+    if "motion" in lacks:
+        return idle
     if isinstance(thing, InlineObject) and thing.fixed:
         return {**idle, **FIXED}
     return {**idle, **ROLLING} if _is_ball(thing) else idle

@@ -46,7 +46,7 @@ def found_object(
     if thing.like is not None and thing.like not in catalogue():
         return None
     from_file = thing.mesh is not None or thing.urdf is not None
-    if from_file and WORLDS[spec.scene.world].floats:
+    if from_file and not WORLDS[spec.scene.world].has("edges"):
         return None  # contacts cannot float on it, as has been said
     path: Path = ("scene", "object", "mesh", "file") if thing.mesh is not None else ("scene", "object", "urdf")
     complaints.about(path)
@@ -71,7 +71,7 @@ def _possible(spec: Spec, thing: InlineObject, document: Document, complaints: C
     if shape is None:
         return True
     try:
-        _ = shape.surface() if WORLDS[spec.scene.world].floats and not shape.edged else shape.solid
+        _ = shape.solid if shape.edged or WORLDS[spec.scene.world].has("edges") else shape.surface()
     except ValueError as error:
         path: Path = ("scene", "object", shape.name)
         complaints.about(path)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graspdsl.basis.effectors import EFFECTORS
-from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.potentials import displaced_in
 from graspdsl.basis.resources import ContactResource, ContactSet
 from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import GradientSpace, TaskSpace
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.definitions import Definition
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
@@ -17,13 +17,6 @@ from graspdsl.compiler.settings import Target
 from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression
-
-# What a phase can wait for: the task spaces of the potentials that lower it, and the first of them to name.
-CONDITIONS = {
-    "force_residual": ({TaskSpace.NET_FORCE, TaskSpace.NET_WRENCH}, "φ_fr"),
-    "moment_residual": ({TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH}, "φ_mr"),
-    "force_error": ({TaskSpace.FORCE}, "φ_f"),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,22 +57,28 @@ def executable(graph: ControllerGraph, probes: bool = False) -> ControllerGraph:
     if graph.gradient_space is not GradientSpace.ROTATION:
         return graph
     moved = next(n.effector_resources for n in controllers_in(graph) if n.gradient_space is GradientSpace.ROTATION)
-    label = f"φ_r|τ_r({moved.label}) σ_r({moved.label})"
-    reference = ControllerReference(graph)
-    return ControllerNode(label, POTENTIALS["φ_r"], EFFECTORS["τ_r"], moved, SENSORS["σ_r"], moved, reference)
+    potential = displaced_in(GradientSpace.ROTATION)
+    sensor, effector = SENSORS[potential.sensors[0]], EFFECTORS[potential.effectors[0]]
+    label = f"{potential.symbol}|{effector.symbol}({moved.label}) {sensor.symbol}({moved.label})"
+    return ControllerNode(label, potential, effector, moved, sensor, moved, ControllerReference(graph))
+
+
+def conditions_lowered(graph: ControllerGraph) -> frozenset[str]:
+    """The end conditions that a controller works towards, by their names in a spec."""
+    return frozenset(name for node in controllers_in(graph) for name in node.potential.lowers)
 
 
 def _slides(node: ControllerNode) -> bool:
     """Whether a controller moves contacts over a surface, as another one tells it to."""
-    return node.potential.space is TaskSpace.POSITION and isinstance(node.reference, ControllerReference)
+    by_contacts = node.potential.displaced_by is GradientSpace.CARTESIAN
+    return by_contacts and isinstance(node.reference, ControllerReference)
 
 
 def grasp_of(stages: tuple[ControllerGraph, ...], robot: Robot) -> ContactSet:
     """The resources whose residuals matter: those of the first residual sensor, else those the phase moves, else all
     of the robot's contacts."""
     nodes = [node for stage in stages for node in controllers_in(stage)]
-    residuals = (TaskSpace.NET_FORCE, TaskSpace.NET_MOMENT, TaskSpace.NET_WRENCH)
-    graded = [node.sensor_resources for node in nodes if node.potential.space in residuals]
+    graded = [node.sensor_resources for node in nodes if node.potential.is_residual]
     moved = [node.effector_resources for node in nodes]
     every = tuple(ContactResource(name, ((index, 1.0),)) for index, name in enumerate(robot.contacts))
     contacts = [found for found in [*graded, *moved] if isinstance(found, ContactSet)]

@@ -143,7 +143,7 @@ class PipelineBuilder:
     steps: list[Step] = field(default_factory=list)
     _known: dict[Hashable, int] = field(default_factory=dict)
 
-    def read(self, name: str, about: str) -> int:
+    def observe(self, name: str, about: str) -> int:
         """The step that reads a field of the observation."""
         return self._add(("read", name), Step(name, about, _nothing, reading=name))
 

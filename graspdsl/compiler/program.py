@@ -6,7 +6,9 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
+from typing import TypeVar
 
+from graspdsl.basis.potentials import lowering
 from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
@@ -17,11 +19,11 @@ from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
 from graspdsl.compiler.object_check import file_hint, found_object
-from graspdsl.compiler.phase import CONDITIONS, CheckedPhase, executable, grasp_of
+from graspdsl.compiler.phase import CheckedPhase, conditions_lowered, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_sensing, hand_for_floating
-from graspdsl.compiler.settings import Target, target_of
+from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
@@ -33,11 +35,14 @@ from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
+from graspdsl.places.validation import unknown_value
 from graspdsl.spec.loading import Reading, read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
-from graspdsl.worlds.kinds import WORLDS, WorldKind
+from graspdsl.worlds.kind import WorldKind
+from graspdsl.worlds.kinds import WORLDS, worlds_with
 
+T = TypeVar("T")
 HERE = FilePath()
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
@@ -66,6 +71,11 @@ class Program:
     def target(self) -> Target:
         """What the program's pipelines drive."""
         return target_of(self.spec, self.robot)
+
+    @property
+    def different_trials(self) -> float:
+        """How many of its trials can differ from one another, inf for any number; all others repeat them."""
+        return different_trials(self.spec)
 
     @property
     def monitors(self) -> MonitorBounds:
@@ -102,18 +112,19 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     _parameters_once(spec, document, complaints)
     check_scene(spec, document, complaints)
     _leading_zeros(document, complaints)
-    if reading.is_sound("scene", "control", "program", "monitors"):
+    placed = reading.is_sound("scene") and spec.scene.world in WORLDS
+    if placed and reading.is_sound("control", "program", "monitors"):
         check_monitors(spec, document, complaints)
-    if reading.is_sound("scene", "trials"):
+    if placed and reading.is_sound("trials"):
         check_trials(spec, document, complaints)
-    thing = found_object(spec, document, complaints, folder) if reading.is_sound("scene") else None
+    thing = found_object(spec, document, complaints, folder) if placed else None
     if check.robot is not None and reading.is_sound("trials"):
         check_start_posture(spec, check.robot, document, complaints)
-    if check.robot is not None and reading.is_sound("scene"):
+    if check.robot is not None and placed:
         check_sensing(spec, document, check.robot, complaints)
-    if check.robot is not None and not reading.unread:
-        floats = WORLDS[spec.scene.world].floats or not check.robot.has_model
-        motion = None if floats else FingertipMotion(check.robot)
+    if check.robot is not None and placed and not reading.unread:
+        moves = WORLDS[spec.scene.world].has("hand") and check.robot.has_model
+        motion = FingertipMotion(check.robot) if moves else None
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
         if thing is not None and motion is not None:
             check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
@@ -221,6 +232,7 @@ def program_of_expression(text: str) -> Program:
 class _ProgramCheck:
     def __init__(self, declarations: Declarations, complaints: Complaints, files: SpecFolder) -> None:
         self._declarations, self._complaints, self._files = declarations, complaints, files
+        self._world = self._one_of(("scene", "world"), declarations.world, WORLDS)
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
         definitions = definitions_with(declarations.controllers, complaints)
@@ -242,18 +254,19 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
+        mount = self._one_of(("scene", "mount"), scene.mount, mounts())
         if scene.hand is None:
             return None
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
-            if found is None or scene.mount is None:
+            if found is None or mount is None:
                 return None
-            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount], hand_model=found.model)
+            whole_robot = Robot(hand=found.hand, mount=mount, hand_model=found.model)
             taken = tuple(taken_names(whole_robot))
             self._tell(scene.hand, taken)
             return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount) if hand and scene.mount is not None else None
+        return robot(scene.hand.text, scene.mount.text) if hand and mount and scene.mount else None
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -290,6 +303,14 @@ class _ProgramCheck:
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 
+    def _one_of(self, path: Path, name: SourceText | None, known: Mapping[str, T]) -> T | None:
+        if name is None or name.text in known:
+            return None if name is None else known[name.text]
+        self._complaints.about(path)
+        message, hint = unknown_value(list(known), name.text)
+        self._complaints.error("unknown-value", message, whole(name), hint)
+        return None
+
     def phases(self) -> tuple[CheckedPhase | None, ...]:
         """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
@@ -317,20 +338,21 @@ class _ProgramCheck:
         )
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world or "")
+        world = self._world
         if world is None:
             return
         way = self._declarations.displacement
+        by_joints = GradientSpace.JOINTS in world.spaces(way)
         able = world.spaces(way) | ({GradientSpace.ROTATION} if self._declarations.holds else set())
         for stage in phase.stages:
             space = stage.gradient_space
             lacking = sorted({node.sensor.symbol for node in controllers_in(stage) if "forces" in node.sensor.reads})
-            if world.floats and lacking:
+            if lacking and not world.has("forces"):
                 self._complaints.error(
                     "not-sensed",
-                    f"floating contacts feel no forces: {', '.join(lacking)} cannot be sensed in the floating world",
+                    f"{world.lacks['forces']}: {', '.join(lacking)} cannot be sensed in the {world.name} world",
                     whole(entry.formula),
-                    "use σ_fr and σ_mr, as π_gx does, or the bullet world",
+                    f"use σ_fr and σ_mr, as π_gx does, or {worlds_with('forces')}",
                 )
             elif space not in able:
                 can = ", ".join(sorted(f"{s.value}, {s.about}" for s in able))
@@ -339,21 +361,21 @@ class _ProgramCheck:
                     f"the {world.name} world cannot carry out a gradient in {space.value}, {space.about}, by {way}",
                     whole(entry.formula),
                     f"it carries out {can}"
-                    + ("" if world.floats else "; make the controller the reference of one, as π_s|Γ Γ (…) does"),
+                    + ("; make the controller the reference of one, as π_s|Γ Γ (…) does" if by_joints else ""),
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world or "")
-        probes = self._declarations.displacement == "probing" and world is not None and not world.floats
+        world = self._world
+        probes = world is not None and world.probes(self._declarations.displacement)
         executed = [executable(stage, probes) for stage in phase.stages]
-        controlled = {node.potential.space for stage in executed for node in controllers_in(stage)}
-        for key, (spaces, lowering) in CONDITIONS.items():
-            if key in entry.conditions and not spaces & controlled and self._declarations.document:
+        lowered = {name for stage in executed for name in conditions_lowered(stage)}
+        for key, potentials in lowering().items():
+            if key in entry.conditions and key not in lowered and self._declarations.document:
                 path: Path = (*entry.path[:-1], "until", key)
                 self._complaints.about(path)
                 self._complaints.warning(
                     "residual-not-controlled",
                     f"{key} is waited for, but no controller of this phase lowers it",
                     self._declarations.document.key_span(path),
-                    f"wait for something else, or run a controller with {lowering}",
+                    f"wait for something else, or run a controller with {potentials[0].symbol}",
                 )

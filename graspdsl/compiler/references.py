@@ -8,7 +8,7 @@ from typing import Protocol
 from graspdsl.basis.potentials import Potential
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
-from graspdsl.basis.spaces import DISPLACES, GradientSpace, TaskSpace
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.graph import ControllerGraph, ControllerReference, Reference, SensorReference, VectorReference
 from graspdsl.diagnostics import Diagnostic, Span, known_names_hint, listed
@@ -87,7 +87,7 @@ class ReferenceCheck:
             case None:
                 self._complaints.error(
                     "missing-reference",
-                    f"{potential.symbol} needs a reference in its task space, {potential.space.value}",
+                    f"{potential.symbol} needs a reference in its task space, {potential.space.about}",
                     span,
                     f"write it in brackets after the sensor transform: a vector, a parameter, or one made of "
                     f"{listed(potential.references, 'or')}",
@@ -165,13 +165,13 @@ class ReferenceCheck:
         if sensor.symbol not in potential.references:
             self._complaints.error(
                 "wrong-reference",
-                f"{potential.symbol} needs a reference in {potential.space.value}; {sensor.symbol} gives "
-                f"{sensor.space.value}",
+                f"{potential.symbol} needs a reference in {potential.space.about}; {sensor.symbol} gives "
+                f"{sensor.space.about}",
                 tree.span,
                 f"use {listed(potential.references, 'or')}",
             )
             return None
-        if sensor.space is TaskSpace.NORMAL and factor is not None and not 0.0 <= factor <= LARGEST_FORCE:
+        if sensor.makes_forces and factor is not None and not 0.0 <= factor <= LARGEST_FORCE:
             self._pressed(tree, factor)
             return None
         if set_of_reference is None or resources is None or factor is None:
@@ -209,15 +209,14 @@ class ReferenceCheck:
 
     def _controller(self, tree: syntax.Expression, potential: Potential) -> ControllerReference | None:
         graph, space = self._checker.expression(tree), self._checker.space(tree)
-        if space is not None and DISPLACES.get(space) is not potential.space:
-            fitting = [gradient.about for gradient, task in DISPLACES.items() if task is potential.space]
+        if space is not None and space is not potential.displaced_by:
             self._complaints.error(
                 "wrong-reference",
-                f"{potential.symbol} needs a reference in {potential.space.value}; this one is a gradient in "
+                f"{potential.symbol} needs a reference in {potential.space.about}; this one is a gradient in "
                 f"{space.value}, {space.about}",
                 tree.span,
-                f"use a controller whose gradient is in {listed(fitting, 'or')}, as π_gx is"
-                if fitting
+                f"use a controller whose gradient is in {potential.displaced_by.about}, as π_gx is"
+                if potential.displaced_by
                 else "no controller makes such a reference",
             )
             return None

@@ -10,15 +10,16 @@ from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import FILES, InlineObject
-from graspdsl.spec.sensing import LoadCell, Sensing
-from graspdsl.worlds.kinds import WORLDS, WorldKind
+from graspdsl.spec.sensing import Sensing
+from graspdsl.worlds.kind import WorldKind
+from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
 START: Path = ("trials", "start")
 DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
-FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
 def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
@@ -31,17 +32,18 @@ def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
 def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Complaints) -> None:
     """Complain about load cells that the hand has not; warn of a touch that noise alone would begin."""
     world = WORLDS[spec.scene.world]
-    if world.floats:
+    if not world.has("forces"):
         return
-    sensor = spec.scene.sensor
+    sensor = world.sensor(spec.scene.sensing)
     path: Path = ("scene", "hand" if spec.scene.sensing is None else "sensing")
     without = [name for name, contact in robot.hand.contacts.items() if contact.link and not contact.cell]
-    if isinstance(sensor, LoadCell) and without:
+    if sensor_for(sensor).needs_cells and without:
         message = (
             f"{listed(without)} of the hand {robot.hand.hand} {'have' if len(without) > 1 else 'has'} no load cell"
         )
         complaints.about(path)
-        hint = "use sensing: skin, proximity or exact, or name the load cell's joint in the hand file"
+        others = [name for name in world.senses if not TACTILE_SENSORS[name].needs_cells]
+        hint = f"use sensing: {listed(others, 'or')}, or name the load cell's joint in the hand file"
         complaints.error("not-sensed", message, document.span(path), hint)
     noise = sensor.force_noise_at(world.rate)
     if isinstance(spec.scene.sensing, Sensing) and sensor.touch.begins < DEVIATIONS * noise:
@@ -56,8 +58,8 @@ def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Comp
 
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
-    world = WORLDS.get(scene.world or "")
-    if scene.names_hand or scene.hand is None or world is None or not world.floats:
+    world = WORLDS.get(scene.world.text) if scene.world else None
+    if scene.names_hand or scene.hand is None or world is None or world.has("hand"):
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
     ways = listed((f"'hand: {name}' with {known[0]} to {known[-1]}" for name, known in bare.items()), "or")
@@ -78,16 +80,18 @@ class _Check:
         self._centre_of_mass()
         self._sensing()
         chosen = self._spec.trials.start.approach
-        if chosen is not None and (chosen == "surface") != self._world.floats:
-            hint = "write approach: surface, or leave it out" if self._world.floats else "use side or top"
+        elsewhere = any(chosen in kind.approaches for kind in WORLDS.values())
+        if elsewhere and chosen not in self._world.approaches:
+            ways = listed(self._world.approaches, "or")
+            hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
             message = f"the {self._world.name} world has no start {chosen!r}"
             self._error("start-not-in-world", message, (*START, "approach"), hint)
 
     def _without_effect(self) -> None:
         """Warn of settings that the scene passes over."""
-        trials = self._spec.trials
-        idle = HAND_STARTS if self._world.floats else ("height",) if trials.start.approach == "top" else ()
-        where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
+        trials, handless = self._spec.trials, self._world.lacks.get("hand")
+        idle = HAND_STARTS if handless else ("height",) if trials.start.approach == "top" else ()
+        where = handless or "a hand from above has no height"
         for name in idle:
             if self._document.has((*START, name)):
                 self._warn(f"{name} has no effect: {where}", (*START, name))
@@ -96,8 +100,9 @@ class _Check:
                 path: Path = ("trials", "grid", place, "parameter")
                 self._warn(f"the grid's {axis.parameter} has no effect: {where}", path)
         friction: Path = ("scene", "friction")
-        if self._world.floats and self._document.has(friction) and WRENCH_GRADES.isdisjoint(self._spec.evaluate):
-            self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
+        why = self._world.lacks.get("friction")
+        if why and self._document.has(friction) and WRENCH_GRADES.isdisjoint(self._spec.evaluate):
+            self._warn(f"friction has no effect: {why}, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
         self._complaints.about(path)
@@ -113,46 +118,47 @@ class _Check:
             body = catalogue().get(thing)
             kinds = [body.shape.name] if body and body.shape.edged else []
         for kind in kinds:
-            if self._world.floats:
-                message = f"contacts cannot float on a {kind}: its edges have no normal"
+            if why := self._world.lacks.get("edges"):
+                message = f"{why} on a {kind}: its edges have no normal"
                 self._error("shape-not-in-world", message, path, "use a superquadric of exponent 8")
 
     def _hand(self) -> None:
         hand = hands().get(self._spec.scene.hand)
-        if hand is not None and not hand.urdf and not self._world.floats:
+        if hand is not None and not hand.urdf and self._world.has("hand"):
             message = f"the hand {hand.hand} is bare contacts without a model"
-            hint = "use it in the floating world, or another hand here"
+            hint = f"use it in {worlds_without('hand')}, or another hand here"
             self._error("hand-not-in-world", message, ("scene", "hand"), hint)
 
     def _sensing(self) -> None:
         path: Path = ("scene", "sensing")
-        for name, felt in FELT_BY_HANDS.items():
+        for name, sensor in TACTILE_SENSORS.items():
             chosen = self._spec.scene.sensing == name or self._document.has((*path, name))
-            if self._world.floats and chosen:
-                self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
+            if chosen and name not in self._world.senses:
+                message = f"{self._world.contacts} have no {sensor.called}"
+                self._error("not-sensed", message, path, f"use {listed(self._world.senses, 'or')}, or leave it out")
 
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
         thing = self._thing
-        if self._world.floats:
-            why = "floating contacts have no hand and their object no weight"
+        if "lifting" in self._world.lacks:
+            why = self._world.lacks["lifting"]
         elif thing is not None and (thing.held or thing.fixed):
             why = f"the object is {'held' if thing.held else 'fixed'}"
         else:
             return
         for place, grade in enumerate(self._spec.evaluate):
             if grade in HANDLING_GRADES:
-                hint = "leave it out, or use a free object in the bullet world"
+                hint = f"leave it out, or use a free object in {worlds_with('lifting')}"
                 self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""
         thing = self._spec.scene.object
         held = self._thing is not None and self._thing.held
-        if self._world.floats and held:
-            message = "an object that contacts float on stays put: nothing holds it"
+        message = self._world.lacks.get("holding")
+        if message and held:
             self._error("held-not-in-world", message, ("scene", "object", "held"), "leave it out")
-        known = self._world.floats or held or thing is None
+        known = self._world.knows_object or held or thing is None
         if self._spec.control.origin == "object" and not known:
             message = "moments cannot be taken about the object: its centre of mass is known only when it is held"
             hint = "use centroid, or add 'held: true' to the object"

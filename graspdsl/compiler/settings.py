@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control
+from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS
 
 SLIDING_STEP, SLIDING_CAP = 0.01, 0.015  # curvature radii a tick
@@ -18,41 +20,48 @@ PROBING_STEP, PROBING_CAP = 0.5, 0.15  # curvature radii a probe; over Σw² of 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What a pipeline drives and how: a robot in a world with a tick rate [Hz], under the spec's control settings.
+    """What a pipeline drives and how: a robot in a world, under the spec's control settings.
 
-    ``probing``: one gradient step is one probe, or the contacts float. ``held``: the object is fixed to the hand, and
-    turns with the contacts. ``floats``: the contacts have no hand.
+    ``held``: the object is fixed to the hand, and turns with the contacts.
     """
 
     robot: Robot
-    rate: float
+    world: WorldKind
     control: Control
-    probing: bool = False
     held: bool = False
-    floats: bool = False
+
+    @property
+    def rate(self) -> float:
+        """Ticks a second."""
+        return self.world.rate
 
     @property
     def probes(self) -> bool:
         """Whether a displacement of the contacts is one probe, and not one tick."""
-        return self.probing and not self.floats
+        return self.world.probes(self.control.displacement)
 
     @property
     def each(self) -> str:
         """What one step of a displacement of contacts is."""
         return "probe" if self.probes else "tick"
 
+    @property
+    def _strides(self) -> bool:
+        """Whether one step of a displacement may be long: the contacts need not slide there."""
+        return self.probes or self.world.at_once
+
     def step(self, squared_weights: float) -> float:
         """The displacement [m] of a contact for a unit net force, over resources with this sum of squared weights."""
         if self.control.step is not None:
             return self.control.step
-        return self.control.curvature_radius * (PROBING_STEP / squared_weights if self.probing else SLIDING_STEP)
+        return self.control.curvature_radius * (PROBING_STEP / squared_weights if self._strides else SLIDING_STEP)
 
     @property
     def cap(self) -> float:
         """The largest displacement [m] of a contact."""
         if self.control.cap is not None:
             return self.control.cap
-        return self.control.curvature_radius * (PROBING_CAP if self.probing else SLIDING_CAP)
+        return self.control.curvature_radius * (PROBING_CAP if self._strides else SLIDING_CAP)
 
     @property
     def limits(self) -> tuple[Array, Array]:
@@ -68,6 +77,11 @@ class Target:
 
 def target_of(spec: Spec, robot: Robot) -> Target:
     """What the pipelines of a spec drive."""
+    return Target(robot, WORLDS[spec.scene.world], spec.control, spec.scene.held)
+
+
+def different_trials(spec: Spec) -> float:
+    """How many of a spec's trials can differ from one another, inf for any number; all others repeat them."""
     world = WORLDS[spec.scene.world]
-    probing = world.floats or spec.control.displacement == "probing"
-    return Target(robot, world.rate, spec.control, probing, spec.scene.held, world.floats)
+    drawn = not world.has("hand") or world.sensor(spec.scene.sensing).is_random  # anew for each trial
+    return math.inf if drawn else spec.trials.different

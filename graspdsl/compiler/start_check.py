@@ -11,6 +11,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
+from graspdsl.compiler.settings import different_trials
 from graspdsl.diagnostics import known_names_hint
 from graspdsl.hands.descriptions import Hand, Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -61,7 +62,7 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
 
 def check_trials(spec: Spec, document: Document, complaints: Complaints) -> None:
     """Warn of more trials asked for than can differ, and of cells of a grid that no trial begins in."""
-    trials, different = spec.trials, spec.different_trials
+    trials, different = spec.trials, different_trials(spec)
     if "count" in trials.model_fields_set and trials.count > different:
         message = f"only {different:g} of {trials.count} trials can differ: the others repeat them"
         if different == 1:

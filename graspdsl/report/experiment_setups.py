@@ -50,7 +50,7 @@ def departure(program: Program) -> str:
 
 def _departures(program: Program, setup: Setup) -> Iterator[str]:
     scene, trials = program.spec.scene, program.spec.trials
-    if program.world.floats:
+    if not program.world.has("hand"):
         yield "its contacts float"
         return
     if scene.object != setup.object:

@@ -52,7 +52,7 @@ def notes(evidence: Evidence, numbers: Numbers) -> list[str]:
             "Starts lie on a grid and are not drawn at random: shares are of its cells, and intervals are what they "
             "would be for as many starts drawn evenly over it."
         )
-    if evidence.program.world.floats:
+    if not evidence.program.world.has("hand"):
         said.append("Contacts float: they are points on the object's surface, without a hand, friction or dynamics.")
     if evidence.program.probes:
         said.append("Contacts are displaced by probing: lifted, moved and put down again; a tick is a probe.")
@@ -62,7 +62,7 @@ def notes(evidence: Evidence, numbers: Numbers) -> list[str]:
 def setting(evidence: Evidence) -> list[tuple[str, str]]:
     """What ran where: names and values."""
     spec, program = evidence.program.spec, evidence.program
-    hand = spec.scene.hand if program.world.floats else f"{spec.scene.hand} on {spec.scene.mount}"
+    hand = f"{spec.scene.hand} on {spec.scene.mount}" if program.world.has("hand") else spec.scene.hand
     return [
         ("World", spec.scene.world),
         ("Hand", hand),

@@ -50,7 +50,7 @@ def numbers_of(evidence: Evidence) -> dict[str, Any]:
         "trials": {
             "asked": manifest.asked,
             "finished": len(records),
-            "different": int(min(len(records), spec.different_trials)),
+            "different": int(min(len(records), evidence.program.different_trials)),
         },
         "outcomes": dict(Counter(record.outcome.value for record in records).most_common()),
         "converged": {

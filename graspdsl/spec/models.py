@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Annotated, Any, Literal
 
@@ -107,9 +106,3 @@ class Spec(Model):
             head: ControllerDefinition.model_validate({"is": entry}) if isinstance(entry, str) else entry
             for head, entry in self.controllers.items()
         }
-
-    @property
-    def different_trials(self) -> float:
-        """How many of its trials can differ from one another, inf for any number; all others repeat them."""
-        floats = self.scene.world == "floating"  # where contacts are drawn anew for each trial
-        return math.inf if floats or self.scene.sensor.is_random else self.trials.different

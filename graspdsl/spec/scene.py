@@ -9,7 +9,7 @@ from pydantic import Field, create_model, model_validator
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES
 from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms
-from graspdsl.spec.sensing import SensingChoice, TactileSensor, sensor_of
+from graspdsl.spec.sensing import SensingChoice
 
 FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
 
@@ -98,14 +98,12 @@ ObjectChoice = Annotated[
 class Scene(Model):
     """What the controller meets."""
 
-    world: Literal["bullet", "floating"] = Field(
-        description="bullet: rigid-body physics; floating: frictionless contacts on a surface, no physics",
+    world: str = Field(
+        description="what the trials run in",
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: Literal["gantry", "wam"] = Field(
-        default="gantry", description="what carries the hand; gantry: a free wrist (6 axes); wam: an arm (7 axes)"
-    )
+    mount: str = Field(default="gantry", description="what carries the hand")
     object: ObjectChoice = Field(
         description="an object of the catalogue, or one described here", examples=["towel-roll"]
     )
@@ -118,11 +116,6 @@ class Scene(Model):
         "load cell; skin: taxels; proximity: distances; exact: the true contact; by default load-cell in bullet, exact "
         "in floating",
     )
-
-    @property
-    def sensor(self) -> TactileSensor:
-        """What contacts feel through."""
-        return sensor_of(self.sensing or ("exact" if self.world == "floating" else "load-cell"))
 
     @property
     def held(self) -> bool:

@@ -118,7 +118,7 @@ class TrialLoop:
     ) -> tuple[Start, Observation]:
         """The first start that the world takes up; those before it are added to ``rejected``."""
         surface = self._program.robot.hand.palm_surface
-        floats = self._program.world.floats
+        floats = not self._program.world.has("hand")
         wanted = self._program.spec.trials.start_of(number)
         starts = draws(wanted, self._program.body, surface, random, floats=floats)
         most = 1 if wanted.is_fixed else self._most_draws

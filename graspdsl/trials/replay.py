@@ -15,13 +15,12 @@ from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import program_of_run
-from graspdsl.trials.setup import world_of
+from graspdsl.trials.setup import settings_of
 from graspdsl.trials.store import RunFolder
 from graspdsl.trials.trajectories import Layout, Rows
 from graspdsl.worlds.annotations import FORCE, NORMAL, Arrow, annotated, png
-from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera
-from graspdsl.worlds.bullet.replay import GraspStudio, SurfaceStudio
-from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH
+from graspdsl.worlds.kind import View
 from graspdsl.worlds.protocol import Start
 from graspdsl.worlds.start_pose import pose
 
@@ -46,13 +45,11 @@ class Replay:
         self._drawn = drawn_contacts(self._program)
         _can_be_drawn(self.rows, self._program, number)
         self.scale = force_scale(self.rows["forces"][:, self._contacts])
-        world = world_of(self._program)
-        if isinstance(world, BulletWorld):
-            self.studio: GraspStudio | SurfaceStudio = GraspStudio(world.settings, self._start(), window=window)
-        else:
-            self.studio = SurfaceStudio(world.surface, len(self._drawn), window=window)
+        world, settings = self._program.world, settings_of(self._program)
+        start = self._start() if world.has("hand") else None
+        self.studio = world.studio(View(settings, start, self._drawn, self._contacts, window=window))
         self.show(self.ticks - 1)
-        self.camera = self._camera(width, height)
+        self.camera = self.studio.camera(width, height)
 
     def __enter__(self) -> Self:
         return self
@@ -67,11 +64,7 @@ class Replay:
 
     def show(self, tick: int) -> None:
         """Put hand, object and contacts where they were at a tick."""
-        at = {name: values[tick].astype(float) for name, values in self.rows.items()}
-        if isinstance(self.studio, GraspStudio):
-            self.studio.show(at["joints"], at["object_position"], at["object_rotation"])
-        else:
-            self.studio.show(at["points"][self._drawn])
+        self.studio.show({name: values[tick].astype(float) for name, values in self.rows.items()})
 
     def picture(self, tick: int, oversampling: int = OVERSAMPLING) -> Image:
         """What a tick looked like, with contact normals and forces on the object and a caption."""
@@ -113,18 +106,13 @@ class Replay:
             message = f"trial {self.record.number} has no picture: its start has no {error.args[0]}"
             raise DiagnosticError([Diagnostic("run-damaged", message)]) from error
 
-    def _camera(self, width: int, height: int) -> Camera:
-        if isinstance(self.studio, GraspStudio):
-            return self.studio.camera(self._contacts, width, height)
-        return self.studio.camera(width, height)
-
 
 def drawn_contacts(program: Program) -> list[int]:
     """The numbers of the contacts that pictures show: all that a hand has, of floating ones those that a phase uses.
 
     A finger that no phase uses may still touch and push; a floating contact that none uses only lies about.
     """
-    if not program.world.floats:
+    if program.world.has("hand"):
         return list(range(len(program.robot.contacts)))
     return sorted({contact for phase in program.phases for contact in phase.grasp.contacts})
 
@@ -175,7 +163,7 @@ def _said(numbers: Sequence[int]) -> str:
 
 def _can_be_drawn(rows: Rows, program: Program, number: int) -> None:
     """Raises DiagnosticError where a trial ended before its first tick, or its object was lost."""
-    placed = () if program.world.floats else ("object_position", "object_rotation")
+    placed = ("object_position", "object_rotation") if program.world.has("motion") else ()
     if not rows or not all(np.isfinite(rows[name]).all() for name in placed):
         what = f"there is nothing whole to draw of trial {number}"
         raise DiagnosticError([Diagnostic("run-damaged", what, hint="look at another trial")])

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from graspdsl.compiler.program import Program
-from graspdsl.spec import scene as spec
+from graspdsl.spec.scene import InlineObject
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.worlds.bullet.probing import ProbingWorld
-from graspdsl.worlds.bullet.scene import Anchor
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
-from graspdsl.worlds.floating import FloatingWorld
-from graspdsl.worlds.protocol import GRAVITY
+from graspdsl.worlds.kind import Anchor, WorldSettings
+from graspdsl.worlds.protocol import WitnessedWorld
 
 
-def world_of(program: Program) -> BulletWorld | FloatingWorld:
-    """The world of a program's scene."""
+def settings_of(program: Program) -> WorldSettings:
+    """What of a program its world is made from."""
     scene = program.spec.scene
-    body = program.body
-    if program.world.floats:
-        return FloatingWorld(program.robot.contacts, body.shape.surface(), GRAVITY * body.mass, body.major_axis)
-    fixed = isinstance(scene.object, spec.InlineObject) and scene.object.fixed
+    fixed = isinstance(scene.object, InlineObject) and scene.object.fixed
     anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
-    settings = BulletSettings(program.robot, body, scene.friction, scene.sensor, anchor)
-    return ProbingWorld(settings) if program.probes else BulletWorld(settings)
+    sensing = program.world.sensor(scene.sensing)
+    return WorldSettings(program.robot, program.body, scene.friction, sensing, anchor, program.probes)
+
+
+def world_of(program: Program) -> WitnessedWorld:
+    """The world of a program's scene."""
+    return program.world.make(settings_of(program))
 
 
 def trial_loop(program: Program) -> TrialLoop:

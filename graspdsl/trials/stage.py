@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from graspdsl.compiler.graph import ControllerGraph, controllers_in
-from graspdsl.compiler.phase import CONDITIONS, CheckedPhase
+from graspdsl.compiler.graph import ControllerGraph
+from graspdsl.compiler.phase import CheckedPhase, conditions_lowered
 from graspdsl.compiler.pipeline import Pipeline, Tick
 from graspdsl.spec.program import Until
 from graspdsl.trials.end_conditions import is_low, unmet
@@ -93,8 +93,7 @@ class Stage:
 
 def until_of(stage: ControllerGraph, until: Until) -> Until:
     """The part of a phase's end conditions that a stage can meet: those on what its potentials lower."""
-    spaces = {node.potential.space for node in controllers_in(stage)}
-    kept = {name: getattr(until, name) for name, (lowering, _) in CONDITIONS.items() if lowering & spaces}
+    kept = {name: getattr(until, name) for name in conditions_lowered(stage)}
     conditions = kept if any(kept.values()) else {"contact": "all"}
     return Until.model_validate({**conditions, "hold": until.hold})
 

@@ -54,7 +54,7 @@ class Layout:
     @classmethod
     def of(cls, program: Program) -> Layout:
         """The layout of a program's trajectories."""
-        joints = 0 if program.world.floats else len(program.robot.joints)
+        joints = len(program.robot.joints) if program.world.has("hand") else 0
         limit = math.fsum(phase.limit + AFTER_LIMIT for phase in program.spec.program)
         return cls(len(program.robot.contacts), joints, len(program.phases), limit)
 

@@ -5,11 +5,16 @@ Contacts move by tangent steps and are put back on the surface; they sense their
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import ClassVar
+
 import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import along
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.surface import Surface
+from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
@@ -38,6 +43,45 @@ def sensed(surface: Surface, points: Array, time: float, weight: float) -> Obser
         centre_of_mass=np.zeros(3),
         weight=np.array([0.0, 0.0, -weight]),
     )
+
+
+class Floating(WorldKind):
+    """Contacts on a surface, and nothing else."""
+
+    name = "floating"
+    about = "frictionless contacts on a known surface, no hand and no physics"
+    rate = RATE
+    sliding = probing = frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN})
+    at_once = True
+    pace = "contacts float"
+    contacts = "floating contacts"
+    senses = ("exact",)
+    approaches = ("surface",)
+    knows_object = True
+    lacks: ClassVar[Mapping[Ability, str]] = {
+        "hand": "floating contacts have no hand",
+        "forces": "floating contacts feel no forces",
+        "friction": "floating contacts have none",
+        "weight": "floating contacts feel no weight",
+        "motion": "the object that contacts float on stays put",
+        "parting": "floating contacts never leave the surface",
+        "holding": "an object that contacts float on stays put: nothing holds it",
+        "lifting": "floating contacts have no hand and their object no weight",
+        "edges": "contacts cannot float",
+    }
+
+    def make(self, settings: WorldSettings) -> FloatingWorld:
+        """Contacts on the surface of the object."""
+        body = settings.body
+        return FloatingWorld(
+            settings.robot.contacts, body.shape.surface(), settings.gravity * body.mass, body.major_axis
+        )
+
+    def studio(self, view: View) -> TrialStudio:
+        """The surface and its contacts."""
+        from graspdsl.worlds.bullet.replay import SurfaceStudio
+
+        return SurfaceStudio(self.make(view.settings).surface, view.contacts, window=view.window)
 
 
 class FloatingWorld:

@@ -1,46 +1,22 @@
-"""What each kind of world can do, known without starting it."""
+"""The table of worlds."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from graspdsl.basis.spaces import GradientSpace
+from graspdsl.diagnostics import listed
+from graspdsl.worlds.bullet.kind import Bullet
+from graspdsl.worlds.floating import Floating
+from graspdsl.worlds.kind import Ability, WorldKind
 
-
-@dataclass(frozen=True, slots=True)
-class WorldKind:
-    """A kind of world: its tick rate [Hz], the gradient spaces it can carry out, sliding and probing.
-
-    ``floats``: its contacts have no hand, no load cells and no forces.
-    """
-
-    name: str
-    about: str
-    rate: float
-    sliding: frozenset[GradientSpace]
-    probing: frozenset[GradientSpace]
-    floats: bool = False
-
-    def spaces(self, displacement: str) -> frozenset[GradientSpace]:
-        """The gradient spaces of a way to displace contacts, ``sliding`` or ``probing``."""
-        return self.probing if displacement == "probing" else self.sliding
+WORLDS: Mapping[str, WorldKind] = {kind.name: kind for kind in (Bullet(), Floating())}
 
 
-WORLDS: Mapping[str, WorldKind] = {
-    "bullet": WorldKind(
-        "bullet",
-        "rigid bodies under gravity, soft fingertips on load cells (PyBullet)",
-        50.0,
-        sliding=frozenset({GradientSpace.JOINTS}),
-        probing=frozenset({GradientSpace.JOINTS, GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
-    ),
-    "floating": WorldKind(
-        "floating",
-        "frictionless contacts on a known surface, no hand and no physics",
-        50.0,
-        sliding=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
-        probing=frozenset({GradientSpace.SURFACE, GradientSpace.CARTESIAN}),
-        floats=True,
-    ),
-}
+def worlds_with(ability: Ability) -> str:
+    """The worlds that have what others lack, as a hint names them: ``the bullet world``."""
+    return f"the {listed([name for name, kind in WORLDS.items() if kind.has(ability)], 'or')} world"
+
+
+def worlds_without(ability: Ability) -> str:
+    """The worlds that lack something, as a hint names them."""
+    return f"the {listed([name for name, kind in WORLDS.items() if not kind.has(ability)], 'or')} world"

@@ -159,6 +159,10 @@ class World(Protocol):
         ...
 
 
+class WitnessedWorld(World, Witness, Protocol):
+    """A world whose truth can be asked."""
+
+
 @runtime_checkable
 class PalmWorld(World, Witness, Protocol):
     """A world with a hand whose palm can be led about, to test a grasp."""

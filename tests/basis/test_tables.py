@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.basis.effector import Effector
-from graspdsl.basis.effectors import EFFECTORS
-from graspdsl.basis.potentials import POTENTIALS, Potential
+from graspdsl.basis import spaces
+from graspdsl.basis.effectors import EFFECTORS, Effector
+from graspdsl.basis.potentials import POTENTIALS, Potential, displaced_in, lowering
 from graspdsl.basis.resources import ContactSet, JointSet
-from graspdsl.basis.sensors import SENSORS, Sensor
-from graspdsl.basis.spaces import DISPLACES, GradientSpace, TaskSpace
+from graspdsl.basis.sensors import SENSORS, Sensor, measuring
+from graspdsl.basis.spaces import NET_FORCE, NET_MOMENT, NET_WRENCH, GradientSpace, TaskSpace
+from graspdsl.spec.program import Control, Until
 
 from .coordinates import COORDINATES, Coordinates
 from .differences import central_differences
@@ -32,7 +33,7 @@ EACH_ENTRY = pytest.mark.parametrize(
 EACH_COORDINATES = pytest.mark.parametrize("coordinates", COORDINATES, ids=lambda coordinates: coordinates.name)
 
 UNITS = r"\[[^]]*\b(1|m|N|rad)\b[^]]*\]|\bDimensionless\b|\bIn (m|N|rad|\(N·m\))[²·]*\b"
-ROWS = {TaskSpace.NET_FORCE: 3, TaskSpace.NET_MOMENT: 3, TaskSpace.NET_WRENCH: 6}
+ROWS = {NET_FORCE: 3, NET_MOMENT: 3, NET_WRENCH: 6}
 COLUMNS = {
     GradientSpace.SURFACE: 2 * CONTACTS,
     GradientSpace.CARTESIAN: 3 * CONTACTS,
@@ -151,6 +152,36 @@ def test_parts_of_a_potential_exist_and_agree(potential: Potential) -> None:
     assert potential.references or not potential.has_default_reference
 
 
+@EACH_POTENTIAL
+def test_difference_takes_one_place_to_the_other(potential: Potential) -> None:
+    """The displacement between two places, made at the one, leads to the other; none leads nowhere; in batches too."""
+    difference = potential.difference
+    end, start = generator().normal(scale=0.5, size=(2, 20, 4, 3))
+    between = difference.between(end, start)
+    np.testing.assert_allclose(difference.displaced(between, start), end, atol=1e-12)
+    np.testing.assert_allclose(difference.displaced(np.zeros_like(start), start), start, atol=1e-12)
+    assert between.shape == start.shape
+    for row in range(len(start)):
+        np.testing.assert_allclose(between[row], difference.between(end[row], start[row]), atol=1e-14)
+
+
+@EACH_POTENTIAL
+def test_settings_that_a_potential_names_exist(potential: Potential) -> None:
+    """A gain that may be zero, and what is said then; end conditions; potentials that it is normal to."""
+    assert not potential.law.gain or (potential.law.gain in Control.model_fields and potential.law.without)
+    assert set(potential.lowers) <= set(Until.model_fields)
+    assert set(potential.normal_to) <= set(POTENTIALS)
+    assert not (potential.is_residual and potential.references)
+    assert potential.references or not (potential.displaced_by or potential.is_capped)
+
+
+def test_every_bound_of_a_phase_is_lowered_and_every_residual_measured() -> None:
+    bounds = set(Until.model_fields) - {"contact", "hold"}
+    assert set(lowering()) == bounds
+    assert all(name in potential.lowers for name, found in lowering().items() for potential in found)
+    assert [measuring(name).symbol for name in ("force_residual", "moment_residual")] == ["σ_fr", "σ_mr"]
+
+
 @EACH_EFFECTOR
 def test_effector_belongs_to_one_potential(effector: Effector) -> None:
     owners = [potential for potential in POTENTIALS.values() if effector.symbol in potential.effectors]
@@ -158,12 +189,16 @@ def test_effector_belongs_to_one_potential(effector: Effector) -> None:
     assert MODELS[effector.symbol].sensor in owners[0].sensors
 
 
-def test_displaced_spaces_have_a_potential() -> None:
-    assert set(DISPLACES.values()) <= {potential.space for potential in POTENTIALS.values()}
+def test_a_displacement_moves_the_reference_of_one_potential() -> None:
+    """Contacts are displaced in x and turned in r; ψ and q are no displacements of what is sensed."""
+    displaced = [potential.displaced_by for potential in POTENTIALS.values() if potential.displaced_by is not None]
+    assert sorted(space.value for space in displaced) == ["r", "x"]
+    assert all(displaced_in(space).displaced_by is space for space in displaced)
 
 
 def test_every_task_space_is_sensed_and_every_gradient_space_moved() -> None:
-    assert {sensor.space for sensor in SENSORS.values()} == set(TaskSpace)
+    known = {space for space in vars(spaces).values() if isinstance(space, TaskSpace)}
+    assert {sensor.space for sensor in SENSORS.values()} == known
     assert {effector.gradient_space for effector in EFFECTORS.values()} == set(GradientSpace)
     assert set(COLUMNS) == set(GradientSpace)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.compiler.definitions import prelude
+from graspdsl.hands.descriptions import mounts
+from graspdsl.worlds.kinds import WORLDS
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 
@@ -23,9 +27,12 @@ SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
         ("sensors", SENSORS),
         ("effectors", EFFECTORS),
         ("hands", ["barrett", "points", "trio"]),
+        ("mounts", mounts()),
+        ("sensing", TACTILE_SENSORS),
+        ("worlds", WORLDS),
     ],
 )
-def test_lists_name_what_there_is(kind: str, names: list[str], tmp_path: Path) -> None:
+def test_lists_name_what_there_is(kind: str, names: Collection[str], tmp_path: Path) -> None:
     """Every entry of a table is listed, on a terminal and as data."""
     listed = json.loads(graspdsl("list", kind, "--json", cwd=tmp_path).stdout)[kind]
     assert sorted(entry["name"] for entry in listed) == sorted(names)

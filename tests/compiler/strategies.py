@@ -8,7 +8,7 @@ from hypothesis.strategies import SearchStrategy
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
-from graspdsl.basis.spaces import DISPLACES, GradientSpace
+from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.definitions import prelude
 from graspdsl.notation.tree import (
     Abbreviation,
@@ -132,12 +132,11 @@ def _sound_controller(draw: st.DrawFn, space: GradientSpace) -> Expression:
     reference: Reference | None = None
     if potential.references and not (potential.has_default_reference and draw(st.booleans())):
         name = draw(st.sampled_from(potential.references))
-        least = 0.0 if name == "σ_n" else -2.0  # contacts push along their normals, they cannot pull
+        least = 0.0 if SENSORS[name].makes_forces else -2.0  # contacts push along their normals, they cannot pull
         factor = draw(st.none() | st.floats(least, 2) | st.just(Name("κ_f")))
         reference = ScaledSensor(factor, Transform(Name(name), sensed))
-        displacing = [gradient for gradient, task in DISPLACES.items() if task is potential.space]
-        if displacing and draw(st.booleans()):
-            reference = draw(sound(displacing[0]))
+        if potential.displaced_by is not None and draw(st.booleans()):
+            reference = draw(sound(potential.displaced_by))
     return Controller(
         Name(potential.symbol), Transform(Name(effector), moved), Transform(Name(sensor), sensed), reference
     )

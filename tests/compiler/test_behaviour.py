@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from graspdsl.compiler.operations import SHORT_REACH
+from graspdsl.basis.operations import SHORT_REACH
 from graspdsl.worlds.protocol import Observation
 
 from .observations import CONTACTS, ROBOT, TARGET, WEIGHTS, command, observation, rotated

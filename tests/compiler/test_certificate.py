@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.compiler import operations
+from graspdsl.basis import operations
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.worlds.protocol import Observation
 

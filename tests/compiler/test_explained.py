@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graspdsl.compiler.explain import Explanation, explained
+from graspdsl.compiler.explain import explained
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import Program, program_of, program_of_expression
 from graspdsl.trials.setup import trial_loop
@@ -24,10 +24,6 @@ FORMULAS = ("π_s|Γ Γ (π_gx|Γ Γ)", "π_gx|Γ Γ", "π_cstar|Γ Γ", "π_gθ
 
 def shipped(name: str, *overrides: str) -> Program:
     return program_of((SPECS / name).read_text("utf-8"), name, overrides)
-
-
-def explanations(program: Program) -> list[Explanation]:
-    return [explained(phase, program.target) for phase in program.phases]
 
 
 def told(pipeline: Pipeline) -> list[dict[str, Any]]:
@@ -46,7 +42,7 @@ def told(pipeline: Pipeline) -> list[dict[str, Any]]:
 def assert_what_runs_is_shown(program: Program) -> None:
     """Every step, number and space of the pipelines that the trial loop runs."""
     running = trial_loop(program)._pipelines
-    for stages, explanation in zip(running, explanations(program), strict=True):
+    for stages, explanation in zip(running, explained(program), strict=True):
         shown = json.loads(json.dumps(explanation.as_dict()))
         text = explanation.text()
         for pipeline, steps in zip(stages, shown["pipeline"], strict=True):
@@ -103,14 +99,14 @@ def test_a_formula_alone_runs_as_in_the_spec_that_it_could_stand_in(formula: str
 )
 def test_gains_are_printed(name: str, shown: str) -> None:
     """Half the step over Σw² and the curvature radius: 0.5 · 0.05 / 3 / 0.05 for three floating contacts."""
-    assert shown in "\n".join(explanation.text() for explanation in explanations(shipped(name)))
+    assert shown in "\n".join(explanation.text() for explanation in explained(shipped(name)))
 
 
 def test_probing_and_rotations_are_explained_as_they_are_carried_out() -> None:
-    _, probed = explanations(shipped("compare/probing.yaml"))
+    _, probed = explained(shipped("compare/probing.yaml"))
     assert [pipeline.space for pipeline in probed.pipelines] == ["x"]
     assert re.search(r"^runs as +φ_mr\|τ_mrx\(Γ\) σ_mr\(Γ\) ◁ φ_fr", probed.text(), re.M)
-    _, turned = explanations(shipped("chapter/4_40_rotate.yaml"))
+    _, turned = explained(shipped("chapter/4_40_rotate.yaml"))
     assert [pipeline.space for pipeline in turned.pipelines] == ["q"]
     assert re.search(r"^runs as +φ_r\|τ_r\(γ1\)", turned.text(), re.M)
 
@@ -120,7 +116,7 @@ def test_a_users_controller_is_shown_with_its_equation_and_what_it_is_for() -> N
         "π_mine|Γ Γ": '{is: π_inner|Γ Γ, equation: "7.1", about: a close of my own}',
         "π_inner|Γ Γ": '{is: π_close|Γ Γ, equation: "Platt 2002, Eq. 3"}',
     }
-    (explanation,) = explanations(program_of(spec("π_mine|Γ Γ", controllers=own), "spec.yaml"))
+    (explanation,) = explained(program_of(spec("π_mine|Γ Γ", controllers=own), "spec.yaml"))
     text = explanation.text()
     assert "π_mine|Γ Γ ≡ π_inner|Γ Γ  (Eq. 7.1) a close of my own" in text
     assert "π_inner|Γ Γ ≡ π_close|Γ Γ  (Platt 2002, Eq. 3)" in text

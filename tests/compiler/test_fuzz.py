@@ -106,11 +106,12 @@ def test_sound_formulas_give_finite_commands(space: GradientSpace, data: st.Data
         virtual=data.draw(st.sampled_from(["members", "common"])),
         surface=data.draw(st.sampled_from(["tangent", "spherical"])),
         origin=data.draw(st.sampled_from(["centroid", "object", "world"])),
+        displacement=data.draw(st.sampled_from(["sliding", "probing"])),
     )
     seen = observation()
     seen.touching[list(lost)] = False
     (stage,) = phase.stages
-    target = replace(TARGET, control=control, probing=data.draw(st.booleans()), held=data.draw(st.booleans()))
+    target = replace(TARGET, control=control, held=data.draw(st.booleans()))
     tick = compile_controller(stage, phase.grasp, target).evaluate(seen)
     assert stage.gradient_space is space
     assert tick.command.space == ("x" if space is GradientSpace.SURFACE else space.value)

@@ -56,7 +56,9 @@ def test_default_step_and_cap_are_shares_of_the_curvature_radius(
     radius: float, probing: bool, settings: dict[str, float], step: float | None, cap: float | None
 ) -> None:
     """Small and for all alike when sliding; large, the step shared by the resources, for probes and floats."""
-    target = Target(ROBOT, 50.0, Control(curvature_radius=radius, **settings), probing=probing)
+    way = "probing" if probing else "sliding"
+    control = Control.model_validate({"curvature_radius": radius, "displacement": way, **settings})
+    target = Target(ROBOT, TARGET.world, control)
     assert target.step(4) == pytest.approx(3e-4 if step is None else step * radius)
     assert target.cap == pytest.approx(7e-4 if cap is None else cap * radius)
 
@@ -64,7 +66,8 @@ def test_default_step_and_cap_are_shares_of_the_curvature_radius(
 @pytest.mark.parametrize("probing", [False, True])
 def test_unit_net_force_moves_a_contact_by_a_step_in_each_space(probing: bool) -> None:
     """In metres; over the surface and in rotation by that over the curvature radius."""
-    seen, target = observation(), replace(TARGET, probing=probing, control=Control(**FREE))
+    way = "probing" if probing else "sliding"
+    seen, target = observation(), replace(TARGET, control=Control.model_validate({"displacement": way, **FREE}))
     step = target.step(1)
     across = seen.normals[FIRST] - seen.normals[FIRST] @ seen.normals[THUMB] * seen.normals[THUMB]
     for formula in ("φ_fr|τ_frx(γ1) σ_fr(γ2)", "φ_fr|τ_fr(γ1) σ_fr(γ2)"):
@@ -288,6 +291,15 @@ def test_moment_servo_presses_as_the_force_servo_at_its_lever() -> None:
     scaled = seen.jacobian[THUMB] * WEIGHTS
     task = np.cross(lever, normal)[:, None] * (normal @ scaled)
     np.testing.assert_allclose(found, WEIGHTS * (task.T @ error) * 1e-6 / RADIUS**2, rtol=1e-9)
+
+
+def test_moment_servo_closes_fingers_as_fast_as_the_force_servo() -> None:
+    """However an error is measured, a contact that does not touch comes nearer by so many metres a second."""
+    seen = observation()
+    seen.touching[:] = False
+    by_force, by_moment = (command(f"φ_{a}|τ_{a}(γ1) σ_{a}(γ1) (0, 0, 0.001)", seen) for a in "fm")
+    assert np.linalg.norm(by_force) > 1e-4
+    np.testing.assert_array_equal(by_moment, by_force)
 
 
 # --- posture ----------------------------------------------------------------------------------------------------

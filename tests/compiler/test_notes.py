@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from graspdsl.compiler.explain import explained
-from graspdsl.compiler.program import examine_expression, program_of
-
-from .observations import TARGET
+from graspdsl.compiler.program import program_of, program_of_expression
 
 PLAIN = "{γ1, γ2, γ3}"
 
@@ -17,8 +15,7 @@ PLAIN = "{γ1, γ2, γ3}"
 @pytest.mark.parametrize("formula", [f"π_gx|{PLAIN} {PLAIN}", f"π_s|{PLAIN} {PLAIN} (π_gx|{PLAIN} {PLAIN})"])
 def test_a_plain_sum_is_said_to_be_one(formula: str) -> None:
     """All contacts controlled, equal weights: ◁ takes nothing away there, also inside a reference."""
-    phase, _ = examine_expression(formula)
-    explanation = explained(phase, TARGET)
+    [explanation] = explained(program_of_expression(formula))
     [note] = explanation.notes()
     assert note.startswith(f"◁ is a plain sum in φ_mr|τ_mrx({PLAIN}) σ_mr({PLAIN}) ◁ φ_fr|τ_frx({PLAIN}) σ_fr({PLAIN})")
     assert note in explanation.text()
@@ -28,8 +25,8 @@ def test_a_plain_sum_is_said_to_be_one(formula: str) -> None:
 @pytest.mark.parametrize("formula", ["π_gx|Γ Γ", f"π_gx|γ1 {PLAIN}", "π_gx|{γ1, γ2} {γ1, γ2, γ_g}", "π_close|Γ Γ"])
 def test_where_projection_acts_nothing_is_said(formula: str) -> None:
     """A virtual contact, fewer contacts moved than sensed, gravity, or no ◁ of residuals."""
-    phase, _ = examine_expression(formula)
-    assert explained(phase, TARGET).notes() == []
+    [explanation] = explained(program_of_expression(formula))
+    assert explanation.notes() == []
 
 
 def test_one_word_turns_sliding_into_probing() -> None:

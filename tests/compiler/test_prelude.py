@@ -118,7 +118,8 @@ def test_use_is_the_same_in_every_spelling(use: Use) -> None:
 @EACH_USE
 def test_use_is_explained(use: Use) -> None:
     (phase,) = use.program.phases
-    text = explained(phase, use.program.target).text()
+    [explanation] = explained(use.program)
+    text = explanation.text()
     for stage in phase.stages:
         for node in controllers_in(stage):
             for part in (node.potential, node.sensor, node.effector):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.compiler import operations
+from graspdsl.basis import operations
 
 from .observations import FIRST, SECOND, THUMB, WEIGHTS, command, compiled, observation
 

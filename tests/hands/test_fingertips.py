@@ -22,7 +22,7 @@ from graspdsl.places.files import SpecFolder
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.fingertip_compliance import LINEAR_FORCE, STIFFNESS
+from graspdsl.worlds.touch.compliance import LINEAR_FORCE, STIFFNESS
 
 from .models import HAND, URDF, changed, write
 

@@ -65,11 +65,11 @@ def test_blanks_of_other_kinds_are_text_within_a_text(text: str, blank: str) -> 
 
 
 def test_the_faults_of_a_file_with_other_blanks_are_told_too() -> None:
-    text = GOOD.replace("  world: bullet", "\xa0\xa0world:\xa0bulet").replace("count: 58", "count:\xa00")
+    text = GOOD.replace("  sensing: load-cell", "\xa0\xa0sensing:\xa0lod-cell").replace("count: 58", "count:\xa00")
     assert [(d.code, d.span) for d in complaints(text)] == [
-        ("odd-blank", Span(5, 1, 5, 3)),
-        ("odd-blank", Span(5, 9, 5, 10)),
-        ("unknown-value", Span(5, 10, 5, 15)),
+        ("odd-blank", Span(10, 1, 10, 3)),
+        ("odd-blank", Span(10, 11, 10, 12)),
+        ("unknown-value", Span(10, 12, 10, 20)),
         ("odd-blank", Span(29, 9, 29, 10)),
         ("out-of-range", Span(29, 10, 29, 11)),
     ]

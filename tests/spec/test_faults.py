@@ -66,12 +66,12 @@ SHAPE = f"an object has exactly one shape ({SHAPES}), found"
         ),
         ("about: Exp", "abuot: Exp", "unknown-key", "3:1", "the file has no key 'abuot'", "did you mean about?"),
         (
-            "world: bullet",
-            "world: bulet",
+            "sensing: load-cell",
+            "sensing: lod-cell",
             "unknown-value",
-            "5:10",
-            "expected bullet or floating, found the text 'bulet'",
-            "did you mean bullet?",
+            "10:12",
+            "expected load-cell, skin, proximity or exact, found the text 'lod-cell'",
+            "did you mean load-cell?",
         ),
         ("world: bullet", "wrld: bullet", "unknown-key", "5:3", "'scene' has no key 'wrld'", "did you mean world?"),
         ("friction: 0.4", "friction: 1_0", "wrong-type", "9:13", "expected a number, found the text '1_0'", None),
@@ -330,14 +330,14 @@ def test_what_is_missing_at_the_top_is_said_at_the_top() -> None:
 
 
 def test_all_faults_at_once_in_reading_order() -> None:
-    text = GOOD.replace("world: bullet", "world: moon").replace("friction: 0.4", "friction: 0.4\n  friction: 9")
+    text = GOOD.replace("sensing: load-cell", "sensing: moon").replace("friction: 0.4", "friction: 0.4\n  friction: 9")
     text = text.replace("limit: 8.0", "limit: -1").replace("count: 58", 'count: "58"').replace("seed: 2006", "sede: 1")
     found = complaints(text, ("scene.hand=3", "oops"))
     assert [(d.code, place(d)) for d in found] == [
         ("bad-override", "-"),
         ("wrong-type", "-"),
-        ("unknown-value", "5:10"),
         ("duplicate-key", "10:3"),
+        ("unknown-value", "11:12"),
         ("out-of-range", "24:12"),
         ("wrong-type", "30:10"),
         ("unknown-key", "31:3"),

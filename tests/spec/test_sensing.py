@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from graspdsl.spec import load_spec_text
+from graspdsl.spec.scene import Scene
 from graspdsl.spec.sensing import SENSORS, Exact, LoadCell, Proximity, Skin, TactileSensor
+from graspdsl.worlds.kinds import WORLDS
 
 from .conftest import GOOD
 
@@ -15,7 +17,12 @@ CONTROL = 50.0  # Hz
 def sensor(*overrides: str, sensing: str = "load-cell") -> TactileSensor:
     """The sensor of a spec."""
     text = GOOD.replace("sensing: load-cell", f"sensing: {sensing}")
-    return load_spec_text(text, "test.yaml", overrides).spec.scene.sensor
+    return felt(load_spec_text(text, "test.yaml", overrides).spec.scene)
+
+
+def felt(scene: Scene) -> TactileSensor:
+    """What contacts of a scene feel through."""
+    return WORLDS[scene.world].sensor(scene.sensing)
 
 
 @pytest.mark.parametrize("name", SENSORS)
@@ -26,7 +33,7 @@ def test_a_name_stands_for_the_sensor_without_parameters(name: str) -> None:
 
 def test_load_cells_are_what_bullet_has_by_default() -> None:
     text = GOOD.replace("  sensing: load-cell\n", "")
-    assert load_spec_text(text, "test.yaml").spec.scene.sensor == LoadCell()
+    assert felt(load_spec_text(text, "test.yaml").spec.scene) == LoadCell()
 
 
 def test_parameters_are_read() -> None:

@@ -87,6 +87,19 @@ def test_only_the_bullet_world_imports_pybullet(library: str) -> None:
     assert _within("worlds.bullet", _importers(library))
 
 
+def test_tactile_sensors_know_no_engine() -> None:
+    touch = [module for module in MODULES if module.startswith("graspdsl.worlds.touch")]
+    assert len(touch) > 1
+    known = {name for module in touch for name in _imports(module) if name.startswith("graspdsl.worlds")}
+    assert {name for name in known if not name.startswith("graspdsl.worlds.touch")} == set()
+
+
+@pytest.mark.parametrize("world", ["graspdsl.worlds.bullet.world", "graspdsl.worlds.bullet.probing"])
+def test_worlds_are_made_by_their_entry_of_the_table_alone(world: str) -> None:
+    importers = {module for module in MODULES if any(f"{name}.".startswith(f"{world}.") for name in _imports(module))}
+    assert _within("worlds.bullet", importers)
+
+
 def test_pybullet_is_not_loaded_before_a_bullet_world_is_built() -> None:
     code = "import graspdsl.cli, graspdsl.compiler.program, sys; sys.exit('pybullet' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0

@@ -22,7 +22,8 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
 from graspdsl.trials.stage import Stage, loosened
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Observation, Start, Truth, WorldInfo
 from graspdsl.worlds.start_pose import pose
 
@@ -103,7 +104,7 @@ def monitors(
 def shown() -> tuple[Observation, Truth]:
     """A start before the towel roll."""
     roll = catalogue()["towel-roll"]
-    world = BulletWorld(BulletSettings(BARRETT, roll, 0.4))
+    world = BulletWorld(WorldSettings(BARRETT, roll, 0.4))
     drawn = {"roll": 0.0, "height": 0.1, "standoff": 0.047, "yaw": 0.0, "offset": 0.0, "tilt": 0.0}
     seen = world.reset(pose("side", drawn, roll, BARRETT.hand.palm_surface), 0)
     truth = world.truth()

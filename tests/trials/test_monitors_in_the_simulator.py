@@ -14,7 +14,8 @@ from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -271,7 +272,7 @@ def test_a_simulation_without_numbers_has_crashed() -> None:
     """In contact: its grades say so, and not that nothing touched."""
     grades = "evaluate=[force-closure, ferrari-canny, lift, shake]"
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START, grades))
-    world = Struck(BulletSettings(program.robot, program.body, 0.4))
+    world = Struck(WorldSettings(program.robot, program.body, 0.4))
     record = TrialLoop(program, world).run(0, 5).record
     assert record.outcome is Outcome.CRASHED
     assert "number" in record.detail

@@ -18,7 +18,8 @@ from graspdsl.hands.descriptions import HERE, Robot, robot
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
+from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start
 from graspdsl.worlds.start_pose import pose
 
@@ -34,9 +35,9 @@ def side_start(body: Body = ROLL, /, **drawn: float) -> Start:
     return pose("side", {**LEVEL, **drawn}, body, ROBOT.hand.palm_surface)
 
 
-def settings(**changes: Any) -> BulletSettings:
+def settings(**changes: Any) -> WorldSettings:
     """The towel roll before the Barrett hand, with changes."""
-    return BulletSettings(**{"robot": ROBOT, "body": ROLL, "friction": 0.4, **changes})
+    return WorldSettings(**{"robot": ROBOT, "body": ROLL, "friction": 0.4, **changes})
 
 
 def main_program(*overrides: str) -> Program:

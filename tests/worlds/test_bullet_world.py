@@ -10,8 +10,8 @@ import pytest
 
 from graspdsl.arrays import Array
 from graspdsl.worlds.bullet.probing import ProbingWorld
-from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import Command, InfeasibleStartError
 
 from .scenes import (

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from graspdsl.arrays import Array
-from graspdsl.worlds.bullet.camera import LEAST_ELEVATION, MOST_ELEVATION, camera_on, grasp_direction
+from graspdsl.worlds.camera import LEAST_ELEVATION, MOST_ELEVATION, camera_on, grasp_direction
 
 numbers = st.floats(-1.0, 1.0)
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)

@@ -3,44 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from graspdsl.basis.spaces import GradientSpace
+from graspdsl.compiler.program import program_of
 from graspdsl.hands.descriptions import robot
-from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
-from graspdsl.trials.stage import WitnessedWorld
-from graspdsl.worlds.bullet.probing import ProbingWorld
-from graspdsl.worlds.bullet.world import BulletSettings, BulletWorld
-from graspdsl.worlds.floating import FloatingWorld
-from graspdsl.worlds.protocol import Command, Observation, Start
+from graspdsl.worlds.kind import WorldSettings
+from graspdsl.worlds.kinds import WORLDS
+from graspdsl.worlds.protocol import Command, Observation, Start, WitnessedWorld
 from graspdsl.worlds.start_pose import pose
 
 ROBOT = robot("barrett", "gantry")
 ROLL = catalogue()["towel-roll"]
 DRAWN = {"roll": 0.3, "yaw": 0.2, "tilt": 0.0, "height": 0.1, "standoff": 0.047, "offset": 0.0}
 START = pose("side", DRAWN, ROLL, ROBOT.hand.palm_surface)
-SETTINGS = BulletSettings(ROBOT, ROLL, 0.4)
+SETTINGS = WorldSettings(ROBOT, ROLL, 0.4)
+MAIN = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 
 
-def floating() -> WitnessedWorld:
-    """Three contacts on an ellipsoid."""
-    return FloatingWorld(("a", "b", "c"), SmoothEllipsoid((0.05, 0.06, 0.075)), 4.0)
+WAYS = [(name, probes) for name, kind in WORLDS.items() for probes in sorted({False, kind.probes("probing")})]
 
 
-WORLDS = {
-    "floating": (floating, "x"),
-    "bullet": (lambda: BulletWorld(SETTINGS), "q"),
-    "bullet-probing": (lambda: ProbingWorld(SETTINGS), "q"),
-}
-
-
-@pytest.fixture(params=WORLDS)
+@pytest.fixture(params=WAYS, ids=lambda way: f"{way[0]}{'-probing' if way[1] else ''}")
 def world_and_space(request: pytest.FixtureRequest) -> tuple[WitnessedWorld, str]:
-    """A world and a gradient space that it carries out."""
-    make, space = WORLDS[request.param]
-    return make(), space
+    """A world of the table and a gradient space that it carries out a tick at a time."""
+    name, probes = request.param
+    kind = WORLDS[name]
+    space = "q" if GradientSpace.JOINTS in kind.sliding else "x"
+    return kind.make(replace(SETTINGS, sensing=kind.sensor(None), probes=probes)), space
 
 
 def small(world: WitnessedWorld, space: str, seed: int) -> Command:
@@ -106,12 +100,21 @@ def test_a_command_in_another_space_is_refused(world_and_space: tuple[WitnessedW
     world.close()
 
 
+def closed(world: WitnessedWorld) -> Observation:
+    """What is seen once the fingers, where there are any, have closed upon the object."""
+    seen = world.reset(START, seed=11)
+    close = program_of(MAIN.read_text("utf-8"), MAIN.name).pipelines()[0][0]
+    for _ in range(200 if len(seen.joints) else 0):
+        seen = world.step(close.evaluate(seen).command)
+    return seen
+
+
 def test_the_truth_agrees_with_what_is_sensed(world_and_space: tuple[WitnessedWorld, str]) -> None:
     """Where a contact touches, its true point is where it is sensed, within the softness of a fingertip."""
-    world, space = world_and_space
-    seen = run(world, space, START)[-1]
-    truth = world.truth()
+    world, _ = world_and_space
+    seen, truth = closed(world), world.truth()
     touching = np.isfinite(truth.points[:, 0]) & seen.touching
+    assert touching.sum() == len(world.info.contacts)
     np.testing.assert_allclose(truth.points[touching], seen.points[touching], atol=1e-3)
     assert np.isclose(np.linalg.norm(truth.object_axis), 1.0)
     np.testing.assert_allclose(truth.object_rotation @ truth.object_rotation.T, np.eye(3), atol=1e-6)

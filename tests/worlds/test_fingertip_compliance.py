@@ -8,7 +8,7 @@ import pytest
 from graspdsl.quality.carrying import Carrier
 from graspdsl.spec.sensing import Exact, Proximity, TactileSensor
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.fingertip_compliance import LINEAR_FORCE, STIFFNESS, force_of_dent, stiffness_under
+from graspdsl.worlds.touch.compliance import LINEAR_FORCE, STIFFNESS, force_of_dent, stiffness_under
 
 from .scenes import ROBOT, grasped, main_program, opened, settings, side_start
 
@@ -42,6 +42,6 @@ def test_the_engine_obeys(sensing: TactileSensor) -> None:
             assert carrier.squeeze == pytest.approx(squeeze, rel=0.02)
             truth = world.truth()
             forces = np.einsum("ki,ki->k", truth.forces, truth.normals)
-            nearest = world._scene.nearest_to_tips(world.hand, 0.01)
+            nearest = world._felt.nearest(0.01)
             dents = -np.array([pair[0] for pair in nearest if pair is not None])
             np.testing.assert_allclose(force_of_dent(dents), forces, rtol=0.05)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
-from graspdsl.worlds.fingertip_surfaces import CapsuleSurface, EllipsoidSurface, FingertipSurface, fingertip_surface
+from graspdsl.worlds.touch.surfaces import CapsuleSurface, EllipsoidSurface, FingertipSurface, fingertip_surface
 
 SHAPES: tuple[FingertipShape, ...] = (
     SphereTip(radius=0.0115),

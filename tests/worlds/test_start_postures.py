@@ -17,9 +17,9 @@ from graspdsl.hands.descriptions import Robot, robot
 from graspdsl.objects.box import Box
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.worlds.bullet.hand import Tip
-from graspdsl.worlds.bullet.scene import Anchor
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.start_postures import CLEARANCE, CLOSING_STEP, PRESHAPE, StartPostures
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import InfeasibleStartError, Start
 
 from .scenes import ROBOT, ROLL, side_start

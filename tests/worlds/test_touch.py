@@ -18,10 +18,11 @@ from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.places.document import Document
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.sensing import Exact, LoadCell, Proximity, Skin, TactileSensor, Touch
-from graspdsl.worlds.bullet.scene import Anchor
+from graspdsl.trials.setup import settings_of
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.fingertip_compliance import STIFFNESS
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import Observation
+from graspdsl.worlds.touch.compliance import STIFFNESS
 
 from .scenes import (
     MAIN,
@@ -277,7 +278,7 @@ def test_hands_without_load_cells_feel_by_other_sensors(sensing: TactileSensor) 
 
 def test_the_program_of_a_spec_senses_as_it_says() -> None:
     program = program_of(MAIN.read_text("utf-8"), MAIN.name, ("scene.sensing={skin: {pitch: 0.003}}",))
-    with opened(BulletWorld(settings(sensing=program.spec.scene.sensor))) as world:
+    with opened(BulletWorld(settings(sensing=settings_of(program).sensing))) as world:
         seen = grasped(world, side_start(), program)
         seen = run_phase(world, program, 1, 20, seen)[-1]
         assert np.isfinite(seen.points).all()

@@ -12,7 +12,7 @@ from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.hands.descriptions import MOUNTING, Robot
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
-from graspdsl.worlds.fingertip_surfaces import frame_about
+from graspdsl.worlds.touch.surfaces import frame_about
 
 MARGIN = 0.001  # m by which the engine enlarges every mesh of a URDF
 HALF_TURN = 24  # facets of an ellipsoid: they are within 0.1 mm of one of 2 cm

@@ -12,12 +12,12 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
-from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.hands.model_joints import UNSTATED_EFFORT
 from graspdsl.worlds.bullet.assembly import assembled_urdf
 from graspdsl.worlds.bullet.engine import silenced
-from graspdsl.worlds.fingertip_compliance import DAMPING, stiffness_under
 from graspdsl.worlds.protocol import Palm
+from graspdsl.worlds.touch.compliance import DAMPING, stiffness_under
+from graspdsl.worlds.touch.fingertip_sensor import Fingertip
 
 
 def rotation_matrix(quaternion: tuple[float, ...]) -> Array:
@@ -33,16 +33,13 @@ def rotation_matrix(quaternion: tuple[float, ...]) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Tip:
-    """One fingertip's numbers in the engine: link and load-cell joint, shape, weight."""
+class Tip(Fingertip):
+    """A fingertip with its numbers in the engine: those of its link and of its load cell's joint, and the rotation
+    (3, 3) of its axes of inertia in the link's frame."""
 
     link: int
     cell: int | None
-    shape: FingertipShape
-    centre: Array  # of the shape, link frame
-    mass: float
-    weight_lever: Array  # centre of mass from the shape's centre, link frame
-    inertial_rotation: Array  # (3, 3), of the axes of inertia in the link frame
+    inertial_rotation: Array
 
 
 class BulletHand:

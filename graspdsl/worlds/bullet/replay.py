@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -13,15 +13,15 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shading import Shaded
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.surfaces.surface import Surface
-from graspdsl.worlds.bullet.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture, box_corners, camera_on, taken
 from graspdsl.worlds.bullet.engine import pybullet, silenced
-from graspdsl.worlds.bullet.framing import camera_on_grasp
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.scene import Anchor, Scene
+from graspdsl.worlds.bullet.pictures import camera_on_grasp, taken
+from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.solids import visual_of
 from graspdsl.worlds.bullet.start_postures import root_pose
-from graspdsl.worlds.bullet.world import BulletSettings
+from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture, box_corners, camera_on
+from graspdsl.worlds.kind import Anchor, WorldSettings
 from graspdsl.worlds.protocol import Start
 
 ASIDE = np.array([0.55, -0.75, 0.42])  # from where what has no palm is seen
@@ -60,40 +60,45 @@ class Studio:
 
 
 class GraspStudio(Studio):
-    """The hand and the object of a bullet world, the robot's root standing as at a start."""
+    """The hand and the object of a bullet world, the robot's root standing as at a start.
 
-    def __init__(self, settings: BulletSettings, start: Start, *, window: bool = False) -> None:
+    grasp: the contacts, by number, that a camera must show.
+    """
+
+    def __init__(self, settings: WorldSettings, start: Start, grasp: Sequence[int], *, window: bool = False) -> None:
         super().__init__(window=window)
+        self._grasp = grasp
         self.scene = Scene(self.engine, self.client, settings.body, settings.table_friction, settings.anchor, seen=True)
         root = root_pose(settings.robot, start)
         self.hand = BulletHand(self.engine, self.client, settings.robot, *root, settings.friction, seen=True)
 
-    def show(self, joints: Array, centre: Array, rotation: Array) -> None:
+    def show(self, at: Mapping[str, Array]) -> None:
         """Put the joints (n,) [m or rad], and the object's centre of mass (3,) [m] and rotation (3, 3)."""
-        self.hand.place(joints)
-        self.scene.put(centre, rotation)
+        self.hand.place(at["joints"])
+        self.scene.put(at["object_position"], at["object_rotation"])
 
-    def camera(self, contacts: Iterable[int], width: int = WIDTH, height: int = HEIGHT) -> Camera:
-        """A camera that shows the grasp of these contacts as it stands."""
-        return camera_on_grasp(self.hand, self.scene, contacts, width, height)
+    def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:
+        """A camera that shows the grasp as it stands."""
+        return camera_on_grasp(self.hand, self.scene, self._grasp, width, height)
 
 
 class SurfaceStudio(Studio):
-    """A surface about the origin and contacts that float on it, drawn as small balls."""
+    """A surface about the origin and contacts that float on it, by number, drawn as small balls."""
 
-    def __init__(self, surface: Surface, count: int, *, window: bool = False) -> None:
+    def __init__(self, surface: Surface, contacts: Sequence[int], *, window: bool = False) -> None:
         super().__init__(window=window)
+        self._contacts = list(contacts)
         engine, client = self.engine, self.client
         mesh = surface.mesh(48)
         visual = visual_of(engine, client, [Shaded(mesh.vertices, surface.normals(mesh.vertices), mesh.faces)])
         engine.createMultiBody(0.0, -1, visual, physicsClientId=client)
         self._half = np.array(surface.extent) / 2
         ball = engine.createVisualShape(engine.GEOM_SPHERE, radius=BALL, rgbaColor=CONTACT, physicsClientId=client)
-        self._balls = [engine.createMultiBody(0.0, -1, ball, physicsClientId=client) for _ in range(count)]
+        self._balls = [engine.createMultiBody(0.0, -1, ball, physicsClientId=client) for _ in contacts]
 
-    def show(self, points: Array) -> None:
-        """Put the contacts at points (k, 3) [m]."""
-        for ball, point in zip(self._balls, points, strict=True):
+    def show(self, at: Mapping[str, Array]) -> None:
+        """Put the contacts at their points [m]."""
+        for ball, point in zip(self._balls, at["points"][self._contacts], strict=True):
             self.engine.resetBasePositionAndOrientation(ball, point.tolist(), (0, 0, 0, 1), self.client)
 
     def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:

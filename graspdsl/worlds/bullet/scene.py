@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from typing import Any
 
@@ -10,9 +9,10 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body
-from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body, speck
+from graspdsl.worlds.camera import box_corners
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import TABLE_SIZE
 
 OUT_OF_THE_WAY = 1.0  # m
@@ -20,14 +20,6 @@ WOOD = (0.76, 0.62, 0.46, 1.0)
 UP = np.array([0.0, 0.0, 1.0])
 
 Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
-
-
-class Anchor(enum.Enum):
-    """What the object is fixed to when a trial starts."""
-
-    NONE = "free, standing on the table"
-    HAND = "held by the hand, the table out of the way"
-    WORLD = "fixed to the world"
 
 
 class Scene:
@@ -131,58 +123,25 @@ class Scene:
 
     def distance_to_object(self, hand: int, link: int, within: float) -> float:
         """The distance [m] between a link of the hand and the object; infinite above ``within``."""
-        points = self._engine.getClosestPoints(hand, self.object, within, linkIndexA=link, physicsClientId=self._client)
-        return min((point[8] for point in points), default=math.inf)
+        return min((pair[8] for pair in self.closest(hand, link, within)), default=math.inf)
 
-    def tip_contacts(self, hand: BulletHand) -> tuple[Array, Array, Array]:
-        """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
-        answer = np.full((3, len(hand.tips), 3), np.nan)
-        for row, tip in enumerate(hand.tips):
-            pressing = self._pressing(hand, self.object, tip.link)
-            if not pressing:
-                continue
-            weights = np.array([c[9] for c in pressing])
-            inward = -np.array([c[7] for c in pressing])
-            # The engine tells the normal on the object, but friction as it acts on the hand.
-            friction = np.array([c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in pressing])
-            normal = weights @ inward
-            answer[0, row] = weights @ np.array([c[6] for c in pressing]) / weights.sum()
-            answer[1, row] = normal / np.linalg.norm(normal)
-            answer[2, row] = normal - friction.sum(axis=0)
-        return answer[0], answer[1], answer[2]
-
-    def tip_presses(self, hand: BulletHand) -> list[tuple[Array, Array]]:
-        """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
-        answer = []
-        for tip in hand.tips:
-            pressing = self._pressing(hand, self.object, tip.link)
-            points = np.array([c[5] for c in pressing]).reshape(-1, 3)
-            answer.append((points, np.array([c[9] for c in pressing])))
-        return answer
-
-    def nearest_to_tips(self, hand: BulletHand, within: float) -> list[tuple[float, Array] | None]:
-        """The distance [m] of the object from each fingertip, negative for a dent, and the tip's nearest point (3,)."""
-        answer: list[tuple[float, Array] | None] = []
-        for tip in hand.tips:
-            pairs = self._engine.getClosestPoints(
-                hand.body, self.object, within, linkIndexA=tip.link, physicsClientId=self._client
-            )
-            nearest = min(pairs, key=lambda pair: pair[8], default=None)
-            answer.append(None if nearest is None else (nearest[8], np.array(nearest[5])))
-        return answer
+    def closest(self, hand: int, link: int, within: float) -> list[tuple[Any, ...]]:
+        """The engine's pairs of near points of a link of the hand and of the object, at most ``within`` [m] apart."""
+        pairs = self._engine.getClosestPoints(hand, self.object, within, linkIndexA=link, physicsClientId=self._client)
+        return list(pairs)
 
     def other_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the hand's links other than fingertips that press on the object."""
         tips = {tip.link for tip in hand.tips}
-        pressing = self._pressing(hand, self.object)
+        pressing = self.pressing(hand, self.object)
         return tuple(sorted({hand.link_names[c[3]] for c in pressing if c[3] not in tips}))
 
     def table_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the robot's links that press on the table; its base stands still and is none of them."""
-        pressing = self._pressing(hand, self.table)
+        pressing = self.pressing(hand, self.table)
         return tuple(sorted({hand.link_names[c[3]] for c in pressing if c[3] >= 0}))
 
-    def _pressing(self, hand: BulletHand, other: int, link: int | None = None) -> list[tuple[Any, ...]]:
+    def pressing(self, hand: BulletHand, other: int, link: int | None = None) -> list[tuple[Any, ...]]:
         """The engine's contacts of the hand, or of one link of it, with another body that carry a force."""
         of_link = {} if link is None else {"linkIndexA": link}
         contacts = self._engine.getContactPoints(hand.body, other, physicsClientId=self._client, **of_link)

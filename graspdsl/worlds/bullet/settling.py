@@ -12,7 +12,8 @@ import numpy as np
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import STANDING
 from graspdsl.worlds.bullet.engine import pybullet, silenced
-from graspdsl.worlds.bullet.scene import Anchor, Pose, Scene
+from graspdsl.worlds.bullet.scene import Pose, Scene
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import UnstableObjectError
 
 TIME_STEP = 1 / 500  # s

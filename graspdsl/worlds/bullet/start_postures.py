@@ -12,11 +12,12 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.shapes import Body
-from graspdsl.worlds.bullet.camera import box_corners
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand, Tip
 from graspdsl.worlds.bullet.reach import ArmReach
-from graspdsl.worlds.bullet.scene import Anchor, Pose, Scene
+from graspdsl.worlds.bullet.scene import Pose, Scene
+from graspdsl.worlds.camera import box_corners
+from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import InfeasibleStartError, Start
 
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else

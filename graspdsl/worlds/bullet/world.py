@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import logarithm
-from graspdsl.hands.descriptions import Robot, joint_limits
-from graspdsl.objects.shapes import Body
-from graspdsl.spec.sensing import LoadCell, TactileSensor
-from graspdsl.worlds.bullet.camera import Picture, taken
+from graspdsl.hands.descriptions import joint_limits
 from graspdsl.worlds.bullet.engine import pybullet, silenced
-from graspdsl.worlds.bullet.framing import camera_on_grasp
+from graspdsl.worlds.bullet.fingertips import BulletFingertips
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.scene import Anchor, Scene
+from graspdsl.worlds.bullet.kind import Bullet
+from graspdsl.worlds.bullet.pictures import camera_on_grasp, taken
+from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
 from graspdsl.worlds.bullet.start_postures import StartPostures, root_pose
-from graspdsl.worlds.bullet.touch import Clock, Fingertips
+from graspdsl.worlds.camera import Picture
+from graspdsl.worlds.kind import Anchor, WorldSettings
 from graspdsl.worlds.protocol import (
-    GRAVITY,
     Command,
     Observation,
     Palm,
@@ -29,26 +26,14 @@ from graspdsl.worlds.protocol import (
     WorldCrashError,
     WorldInfo,
 )
+from graspdsl.worlds.touch.fingertip_sensor import Clock
+from graspdsl.worlds.touch.fingertips import Fingertips
 
-CONTROL_RATE = 50.0  # Hz
+CONTROL_RATE = Bullet.rate  # Hz
 PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
 SOLVER_ITERATIONS = 200  # at the engine's own 50, friction has not converged and what is held creeps in the hand
 SETTLE_TICKS = 10
-TABLE_FRICTION = 0.5
 MOST_AHEAD = 0.05  # rad or m, of a target before its joint
-
-
-@dataclass(frozen=True, slots=True)
-class BulletSettings:
-    """What of a spec's scene the bullet world needs. friction: coefficient between fingertips and object."""
-
-    robot: Robot
-    body: Body
-    friction: float
-    sensing: TactileSensor = field(default_factory=LoadCell)
-    anchor: Anchor = Anchor.NONE
-    gravity: float = GRAVITY
-    table_friction: float = TABLE_FRICTION
 
 
 class BulletWorld:
@@ -57,7 +42,7 @@ class BulletWorld:
     seen: whether pictures are taken of it.
     """
 
-    def __init__(self, settings: BulletSettings, *, seen: bool = False) -> None:
+    def __init__(self, settings: WorldSettings, *, seen: bool = False) -> None:
         self.settings, self._seen = settings, seen
         robot = settings.robot
         lower, upper = (np.array(limits) for limits in joint_limits(robot))
@@ -97,7 +82,8 @@ class BulletWorld:
             self._scene.attach(self.hand)
         self._ticks = 0
         clock = Clock(CONTROL_RATE * PHYSICS_STEPS, CONTROL_RATE)
-        self._tips = Fingertips(self.hand, self._scene, self.settings.sensing, self.settings.gravity, clock, seed)
+        self._felt = BulletFingertips(self.hand, self._scene)
+        self._tips = Fingertips(self._felt, robot, self.settings.sensing, self.settings.gravity, clock, seed)
         for _ in range(SETTLE_TICKS):
             self._simulate()
         self.tare()
@@ -122,7 +108,7 @@ class BulletWorld:
         before, self._target = self._target, np.clip(wanted, self.info.lower, self.info.upper)
         self._stopped |= wanted != self._target
         self._simulate(before)
-        self.hand.press([float(forces.sum()) for _, forces in self._scene.tip_presses(self.hand)])
+        self.hand.press([float(forces.sum()) for _, forces in self._felt.presses()])
         self._ticks += 1
 
     def _simulate(self, before: Array | None = None) -> None:
@@ -171,7 +157,7 @@ class BulletWorld:
 
     def truth(self) -> Truth:
         """The simulator's own account of the present tick."""
-        points, normals, forces = self._scene.tip_contacts(self.hand)
+        points, normals, forces = self._felt.contacts()
         position, rotation = self._scene.object_pose()
         return Truth(
             points=points,

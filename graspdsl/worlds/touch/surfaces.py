@@ -12,7 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
-from graspdsl.worlds.load_cell import capsule_contact, ellipsoid_contact, sphere_contact
+from graspdsl.worlds.touch.intrinsic import capsule_contact, ellipsoid_contact, sphere_contact
 
 MERIDIAN_SAMPLES = 2001
 
@@ -64,7 +64,7 @@ class SphereSurface(FingertipSurface):
         return np.asarray(self.radius * direction)
 
     def contact(self, force: Array, moment: Array) -> Array:
-        """See :func:`graspdsl.worlds.load_cell.sphere_contact`."""
+        """See :func:`graspdsl.worlds.touch.intrinsic.sphere_contact`."""
         return sphere_contact(force, moment, self.radius)
 
     def taxels(self, pitch: float) -> Taxels:
@@ -89,7 +89,7 @@ class EllipsoidSurface(FingertipSurface):
         return self._axes @ self._surface.nearest(self._axes.T @ point)
 
     def contact(self, force: Array, moment: Array) -> Array:
-        """See :func:`graspdsl.worlds.load_cell.ellipsoid_contact`."""
+        """See :func:`graspdsl.worlds.touch.intrinsic.ellipsoid_contact`."""
         return self._axes @ ellipsoid_contact(self._axes.T @ force, self._axes.T @ moment, self.semi_axes)
 
     def taxels(self, pitch: float) -> Taxels:
@@ -126,7 +126,7 @@ class CapsuleSurface(FingertipSurface):
         return np.asarray(inner + self.radius * direction)
 
     def contact(self, force: Array, moment: Array) -> Array:
-        """See :func:`graspdsl.worlds.load_cell.capsule_contact`."""
+        """See :func:`graspdsl.worlds.touch.intrinsic.capsule_contact`."""
         return self._axes @ capsule_contact(self._axes.T @ force, self._axes.T @ moment, self.radius, self.length)
 
     def taxels(self, pitch: float) -> Taxels:

@@ -13,7 +13,7 @@ from graspdsl.objects.shapes import Body
 from graspdsl.objects.sphere import Sphere
 from graspdsl.spec.sensing import LoadCell, Touch
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.load_cell import sphere_contact
+from graspdsl.worlds.touch.intrinsic import sphere_contact
 
 from .scenes import (
     ROLL,

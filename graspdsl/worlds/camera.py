@@ -1,10 +1,9 @@
-"""Where a picture is taken from, and the one renderer of pictures: the engine's software renderer, smoothed."""
+"""Where a picture is taken from."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +17,6 @@ UP = np.array([0.0, 0.0, 1.0])
 FIELD_OF_VIEW = math.radians(32.0)  # of the shorter side
 NEAR, FAR = 0.05, 6.0  # m
 OVERSAMPLING = 2
-LIGHT = (-0.5, -1.0, 1.8)
-SKY, GROUND = np.array([236.0, 240.0, 244.0]), np.array([206.0, 213.0, 220.0])
 LEAST_ELEVATION, MOST_ELEVATION = math.radians(22.0), math.radians(50.0)
 LEAST_RADIUS = 0.02  # m
 TINY = 1e-9
@@ -101,33 +98,3 @@ def grasp_direction(tips: Array, palm_normal: Array) -> Array:
         level = np.array([0.0, -1.0, 0.0])
     elevation = float(np.clip(math.asin(np.clip(across[2], -1.0, 1.0)), LEAST_ELEVATION, MOST_ELEVATION))
     return math.cos(elevation) * level / np.linalg.norm(level) + math.sin(elevation) * UP
-
-
-def taken(engine: Any, client: int, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
-    """The picture that a camera takes of an engine's world, before a calm background.
-
-    Each pixel is the mean of so many by so many, which smooths edges; the time grows with their number.
-    """
-    width, height = oversampling * camera.width, oversampling * camera.height
-    _, _, colours, _, bodies = engine.getCameraImage(
-        width,
-        height,
-        camera.view.T.ravel().tolist(),
-        camera.projection.T.ravel().tolist(),
-        lightDirection=LIGHT,
-        lightColor=(1.0, 1.0, 1.0),
-        lightDistance=3.0,
-        lightAmbientCoeff=0.55,
-        lightDiffuseCoeff=0.5,
-        lightSpecularCoeff=0.12,
-        shadow=1,
-        renderer=engine.ER_TINY_RENDERER,
-        physicsClientId=client,
-    )
-    seen = np.asarray(colours, dtype=float).reshape(height, width, -1)[:, :, :3]
-    nothing = np.asarray(bodies).reshape(height, width) < 0
-    down = np.linspace(0.0, 1.0, height)[:, None]
-    backdrop = (SKY + down * (GROUND - SKY))[:, None, :]
-    whole = np.where(nothing[:, :, None], backdrop, seen)
-    fine = whole.reshape(camera.height, oversampling, camera.width, oversampling, 3)
-    return np.asarray(np.round(fine.mean(axis=(1, 3))), dtype=np.uint8)

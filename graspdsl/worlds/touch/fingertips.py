@@ -7,14 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
-from graspdsl.spec.sensing import LoadCell, Proximity, Skin, TactileSensor
-from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.touch.exact import ExactContacts
-from graspdsl.worlds.bullet.touch.load_cells import LoadCells
-from graspdsl.worlds.bullet.touch.proximity import ProximitySensors
-from graspdsl.worlds.bullet.touch.sensor import Clock, Sensor
-from graspdsl.worlds.bullet.touch.skins import Skins
+from graspdsl.hands.descriptions import Robot
+from graspdsl.spec.sensing import TactileSensor
+from graspdsl.worlds.touch.fingertip_sensor import Clock, FingertipPhysics
+from graspdsl.worlds.touch.sensors import sensor_for
 
 
 class Reading(NamedTuple):
@@ -36,23 +32,22 @@ class Fingertips:
 
     def __init__(
         self,
-        hand: BulletHand,
-        scene: Scene,
+        hand: FingertipPhysics,
+        robot: Robot,
         spec: TactileSensor,
         gravity: float,
         clock: Clock,
         seed: int,
     ) -> None:
         self._hand, self._touch = hand, spec.touch
-        self._sensor = _sensor(hand, scene, spec, gravity, clock, np.random.SeedSequence(seed))
+        self._sensor = sensor_for(spec)(spec, hand, gravity, clock, np.random.SeedSequence(seed))
         count = len(hand.tips)
         self._step = 0
         self._touching = np.zeros(count, dtype=bool)
         self._last_normal: list[Array | None] = [None] * count
-        joints = list(hand.robot.joints)
         self._closing = [
-            np.array([hand.robot.joints[j].closes if j in contact.finger else 0 for j in joints], dtype=float)
-            for contact in hand.robot.hand.contacts.values()
+            np.array([joint.closes if name in contact.finger else 0 for name, joint in robot.joints.items()], float)
+            for contact in robot.hand.contacts.values()
         ]
 
     def advance(self) -> None:
@@ -71,7 +66,7 @@ class Fingertips:
 
     def read(self) -> Reading:
         """Points, normals and forces of all contacts as this sensing gives them."""
-        frames = self._hand.tip_frames()
+        frames = self._hand.frames()
         strengths = self._sensor.strengths(self._step, frames)
         self._touching = strengths > np.where(self._touching, self._touch.ends, self._touch.begins)
         points, normals, forces = np.zeros((3, len(frames), 3))
@@ -96,25 +91,6 @@ class Fingertips:
         known = self._last_normal[contact] if ahead is None else ahead
         if known is not None:
             return known
-        tip = self._hand.tips[contact]
-        motion = self._hand.jacobians(tip, tip.centre, self._hand.all_joints())[0] @ self._closing[contact]
+        motion = self._hand.jacobian(contact, self._hand.tips[contact].centre) @ self._closing[contact]
         direction: Array = motion / np.linalg.norm(motion)
         return direction
-
-
-def _sensor(
-    hand: BulletHand,
-    scene: Scene,
-    spec: TactileSensor,
-    gravity: float,
-    clock: Clock,
-    seed: np.random.SeedSequence,
-) -> Sensor:
-    match spec:
-        case LoadCell():
-            return LoadCells(spec, hand, gravity, clock, seed)
-        case Skin():
-            return Skins(spec, hand, scene, clock, seed)
-        case Proximity():
-            return ProximitySensors(spec, hand, scene, clock, seed)
-    return ExactContacts(hand, scene)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.worlds.sensor_signal import Flaws, SensorSignal, Timing
+from graspdsl.worlds.touch.signals import Flaws, SensorSignal, Timing
 
 ENGINE, PERIOD = 500.0, 10  # Hz, and steps of the engine a control tick
 

@@ -1,0 +1,72 @@
+"""What the engine tells tactile sensors of a hand's fingertips on an object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.worlds.bullet.hand import BulletHand, Tip
+from graspdsl.worlds.bullet.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class BulletFingertips:
+    """The fingertips of a hand before the object of a scene; as tactile sensors and the truth have them."""
+
+    hand: BulletHand
+    scene: Scene
+
+    @property
+    def tips(self) -> Sequence[Tip]:
+        """The fingertips."""
+        return self.hand.tips
+
+    def frames(self) -> list[tuple[Array, Array]]:
+        """The frames of the tips' links."""
+        return self.hand.tip_frames()
+
+    def wrenches(self) -> Array:
+        """What the load cells' joints hold up, (k, 6)."""
+        return self.hand.cell_readings()
+
+    def contacts(self) -> tuple[Array, Array, Array]:
+        """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
+        answer = np.full((3, len(self.tips), 3), np.nan)
+        for row, tip in enumerate(self.tips):
+            pressing = self.scene.pressing(self.hand, self.scene.object, tip.link)
+            if not pressing:
+                continue
+            weights = np.array([c[9] for c in pressing])
+            inward = -np.array([c[7] for c in pressing])
+            # The engine tells the normal on the object, but friction as it acts on the hand.
+            friction = np.array([c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in pressing])
+            normal = weights @ inward
+            answer[0, row] = weights @ np.array([c[6] for c in pressing]) / weights.sum()
+            answer[1, row] = normal / np.linalg.norm(normal)
+            answer[2, row] = normal - friction.sum(axis=0)
+        return answer[0], answer[1], answer[2]
+
+    def presses(self) -> list[tuple[Array, Array]]:
+        """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
+        answer = []
+        for tip in self.tips:
+            pressing = self.scene.pressing(self.hand, self.scene.object, tip.link)
+            points = np.array([c[5] for c in pressing]).reshape(-1, 3)
+            answer.append((points, np.array([c[9] for c in pressing])))
+        return answer
+
+    def nearest(self, within: float) -> list[tuple[float, Array] | None]:
+        """The distance [m] of the object from each fingertip, negative for a dent, and the tip's nearest point (3,)."""
+        answer: list[tuple[float, Array] | None] = []
+        for tip in self.tips:
+            pairs = self.scene.closest(self.hand.body, tip.link, within)
+            nearest = min(pairs, key=lambda pair: pair[8], default=None)
+            answer.append(None if nearest is None else (nearest[8], np.array(nearest[5])))
+        return answer
+
+    def jacobian(self, tip: int, place: Array) -> Array:
+        """The linear Jacobian (3, n) of a point of a tip."""
+        return self.hand.jacobians(self.hand.tips[tip], place, self.hand.all_joints())[0]

@@ -1,0 +1,138 @@
+"""What a kind of world is: what it can do, said without starting it, what it is made from, and how it is seen again."""
+
+from __future__ import annotations
+
+import enum
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal, Protocol
+
+from graspdsl.arrays import Array
+from graspdsl.basis.spaces import GradientSpace
+from graspdsl.hands.descriptions import Robot
+from graspdsl.objects.shapes import Body
+from graspdsl.spec.sensing import LoadCell, Sensing, TactileSensor, sensor_of
+from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture
+from graspdsl.worlds.protocol import GRAVITY, Start, WitnessedWorld
+
+TABLE_FRICTION = 0.5
+
+Ability = Literal["hand", "forces", "friction", "weight", "motion", "parting", "holding", "lifting", "edges"]
+"""What a world may lack: a hand that carries the contacts; forces that they feel; friction; weight of the object; an
+object that moves; contacts that part from it; objects that a hand holds; grasps tried by lifting and shaking; objects
+with edges."""
+
+
+class Anchor(enum.Enum):
+    """What the object is fixed to when a trial starts."""
+
+    NONE = "free, standing on the table"
+    HAND = "held by the hand, the table out of the way"
+    WORLD = "fixed to the world"
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSettings:
+    """What of a program a world is made from.
+
+    friction: coefficient between fingertips and object; gravity [m/s²]. probes: a displacement of the contacts is one
+    probe of many ticks.
+    """
+
+    robot: Robot
+    body: Body
+    friction: float
+    sensing: TactileSensor = field(default_factory=LoadCell)
+    anchor: Anchor = Anchor.NONE
+    probes: bool = False
+    gravity: float = GRAVITY
+    table_friction: float = TABLE_FRICTION
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What of a stored trial is looked at: the contacts that are drawn and, among them, those of the grasp, by number.
+
+    start: where the hand began, None in a world without one; window: on the screen.
+    """
+
+    settings: WorldSettings
+    start: Start | None
+    contacts: Sequence[int]
+    grasp: Sequence[int]
+    window: bool = False
+
+
+class TrialStudio(Protocol):
+    """A world to look at: things stand where they are put, and nothing is simulated. To be closed."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the world, or its window, is still there."""
+        ...
+
+    def show(self, at: Mapping[str, Array]) -> None:
+        """Put everything where a row of a trajectory has it."""
+        ...
+
+    def camera(self, width: int = WIDTH, height: int = HEIGHT) -> Camera:
+        """A camera that shows all of it as it stands."""
+        ...
+
+    def picture(self, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
+        """What a camera sees now."""
+        ...
+
+    def close(self) -> None:
+        """Give the world back."""
+        ...
+
+
+class WorldKind(ABC):
+    """A kind of world, by its name in a spec.
+
+    ``rate``: of its ticks [Hz]. ``sliding``, ``probing``: the gradient spaces that it can carry out, by the way in
+    which contacts are displaced. ``at_once``: a contact gets to another place within a tick, however far, so that it
+    need not be probed. ``pace``: how contacts move where they are not probed; ``contacts``: what they are called.
+    ``senses``: the tactile sensors that it has, the usual one first. ``approaches``: the starts that it has.
+    ``knows_object``: where the object is, is known though nothing holds it. ``lacks``: what it has not, each with the
+    reason as messages give it.
+    """
+
+    name: ClassVar[str]
+    about: ClassVar[str]
+    rate: ClassVar[float]
+    sliding: ClassVar[frozenset[GradientSpace]]
+    probing: ClassVar[frozenset[GradientSpace]]
+    at_once: ClassVar[bool] = False
+    pace: ClassVar[str] = "contacts slide"
+    contacts: ClassVar[str] = "contacts"
+    senses: ClassVar[tuple[str, ...]]
+    approaches: ClassVar[tuple[str, ...]] = ("side", "top")
+    knows_object: ClassVar[bool] = False
+    lacks: ClassVar[Mapping[Ability, str]] = {}
+
+    @abstractmethod
+    def make(self, settings: WorldSettings) -> WitnessedWorld:
+        """A world to run trials in."""
+
+    @abstractmethod
+    def studio(self, view: View) -> TrialStudio:
+        """A world in which a stored trial is looked at."""
+
+    def has(self, ability: Ability) -> bool:
+        """Whether it has what a world may lack."""
+        return ability not in self.lacks
+
+    def spaces(self, displacement: str) -> frozenset[GradientSpace]:
+        """The gradient spaces of a way to displace contacts, ``sliding`` or ``probing``."""
+        return self.probing if displacement == "probing" else self.sliding
+
+    def probes(self, displacement: str) -> bool:
+        """Whether a displacement of the contacts is one probe of many ticks."""
+        return displacement == "probing" and not self.at_once
+
+    def sensor(self, choice: str | Sensing | None) -> TactileSensor:
+        """What contacts feel through: what a spec's scene names or describes, or what is usual here."""
+        return sensor_of(choice or self.senses[0])

@@ -1,0 +1,67 @@
+"""Fingertip load cells, read by intrinsic contact sensing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross
+from graspdsl.spec.sensing import LoadCell
+from graspdsl.worlds.touch.fingertip_sensor import Contact, FingertipSensor, Frames
+from graspdsl.worlds.touch.signals import Flaws
+
+
+class LoadCells(FingertipSensor):
+    """A six-axis cell before each tip, in the frame of the tip's link.
+
+    What it reads late it reads in the frame of the tip, which has moved on meanwhile. The weight of the tip is known in
+    every pose and taken off.
+    """
+
+    name = "load-cell"
+    about = "a six-axis load cell before each fingertip: intrinsic contact sensing, friction and all"
+    called = "load cells"
+    model = LoadCell
+    needs_cells = True
+    tares = True
+
+    def flaws(self) -> Flaws:
+        """Of forces, then of moments."""
+        spec: LoadCell = self.spec
+        return Flaws(
+            noise=np.repeat([spec.force_noise, spec.moment_noise], 3),
+            bias=np.repeat([spec.force_bias, spec.moment_bias], 3),
+            drift=np.repeat([spec.force_drift, spec.moment_drift], 3),
+            quantum=np.repeat([spec.force_quantum, spec.moment_quantum], 3),
+        )
+
+    def measured(self) -> Array:
+        """The wrenches (k, 6) on the cells."""
+        return self.hand.wrenches()
+
+    def read(self, step: int) -> Array:
+        """The loads (k, 6) that the object puts on the tips."""
+        return self._loads(step, self.hand.frames())
+
+    def _loads(self, step: int, frames: Frames) -> Array:
+        """The (k, 6) loads that the object puts on the tips, about their shapes' centres, in the tips' frames."""
+        loads = []
+        down = np.array([0.0, 0.0, -self.gravity])
+        for tip, (_, rotation), raw in zip(self.hand.tips, frames, super().read(step), strict=True):
+            # The joint answers what it holds up against: minus the object's load and the weight of the tip.
+            weight = tip.mass * (rotation.T @ down)
+            moment = -raw[3:] + cross(tip.weight_lever, -raw[:3])
+            loads.append(np.concatenate([-raw[:3] - weight, moment - cross(tip.weight_lever, weight)]))
+        return np.array(loads)
+
+    def strengths(self, step: int, frames: Frames) -> Array:
+        """The forces (k,) [N] of the loads, friction and all."""
+        self.loads, self.frames = self._loads(step, frames) - self.zero, frames
+        return np.array([np.linalg.norm(load[:3]) for load in self.loads])
+
+    def contact(self, tip: int) -> Contact:
+        """Where the load of a tip acts."""
+        load, surface = self.loads[tip], self.surfaces[tip]
+        _, rotation = self.frames[tip]
+        from_centre = surface.contact(load[:3], load[3:])
+        return Contact(*self.at(tip, from_centre), rotation @ surface.normal(from_centre), -rotation @ load[:3])

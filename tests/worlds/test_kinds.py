@@ -1,0 +1,145 @@
+"""Checks that every world of the table has to pass before it is made, and one of a stranger beside them."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import ClassVar, get_args
+
+import numpy as np
+import pytest
+from compiler.specs import floating
+
+from graspdsl.cli.listing import KINDS
+from graspdsl.compiler.explain import explained
+from graspdsl.compiler.program import examine, program_of
+from graspdsl.diagnostics import Severity
+from graspdsl.spec.sensing import SENSORS
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.setup import settings_of, trial_loop, world_of
+from graspdsl.worlds.floating import Floating, FloatingWorld
+from graspdsl.worlds.kind import Ability, View, WorldKind, WorldSettings
+from graspdsl.worlds.kinds import WORLDS
+from graspdsl.worlds.protocol import Command, Observation, Start
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
+
+MAIN = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
+FLOATING = floating("π_gx|{γ1, γ2, γ3} {γ1, γ2, γ3}", until="force_residual: 0.1, moment_residual: 0.005, hold: 0.4")
+NOWHERE = Start(np.zeros(3), np.eye(3), {})
+EACH_KIND = pytest.mark.parametrize("kind", WORLDS.values(), ids=WORLDS)
+
+
+@EACH_KIND
+def test_a_world_says_what_it_is(kind: WorldKind) -> None:
+    """Its name is its place in the table; what it can do and what it lacks are said in words that messages take."""
+    assert WORLDS[kind.name] is kind
+    assert kind.about
+    assert kind.rate > 0.0
+    assert kind.sliding
+    assert kind.sliding <= kind.probing or kind.probes("probing")
+    assert set(kind.senses) <= set(TACTILE_SENSORS)
+    assert kind.approaches
+    assert set(kind.lacks) <= set(get_args(Ability))
+    assert all(reason and reason[0].islower() and not reason.endswith(".") for reason in kind.lacks.values())
+
+
+@EACH_KIND
+def test_what_is_sensed_where_nothing_is_said_is_what_comes_first(kind: WorldKind) -> None:
+    assert sensor_for(kind.sensor(None)).name == kind.senses[0]
+    assert [sensor_for(kind.sensor(name)).name for name in kind.senses] == list(kind.senses)
+
+
+def test_tactile_sensors_are_those_of_a_spec() -> None:
+    assert set(TACTILE_SENSORS) == set(SENSORS)
+    for name, sensor in TACTILE_SENSORS.items():
+        assert (sensor.name, sensor.model) == (name, SENSORS[name])
+        assert sensor.about
+        assert sensor.called
+
+
+@EACH_KIND
+def test_a_program_says_which_world_it_runs_in(kind: WorldKind) -> None:
+    text = MAIN.read_text("utf-8") if kind.has("hand") else FLOATING
+    program = program_of(text, "test.yaml", (f"scene.world={kind.name}",))
+    world = world_of(program)
+    assert program.world is kind
+    assert program.target.rate == world.info.rate == kind.rate
+    world.close()
+
+
+def test_a_world_that_there_is_not_is_named_with_those_that_there_are() -> None:
+    found = examine(MAIN.read_text("utf-8").replace("world: bullet", "world: bulet"), "test.yaml").diagnostics
+    [complaint] = [diagnostic for diagnostic in found if diagnostic.severity is Severity.ERROR]
+    assert (complaint.code, complaint.hint) == ("unknown-value", "did you mean bullet?")
+    assert complaint.message == "expected bullet or floating, found the text 'bulet'"
+
+
+# A world of a stranger: one class, one line of the table.
+
+
+class StickyWorld(FloatingWorld):
+    """Contacts that get half as far as they are told."""
+
+    def step(self, command: Command) -> Observation:
+        """Half of it."""
+        return super().step(dataclasses.replace(command, displacement=0.5 * command.displacement))
+
+
+class Sticky(Floating):
+    """Floating contacts on a sticky surface."""
+
+    name = "sticky"
+    about = "floating contacts that get half as far as they are told"
+    contacts = "sticky contacts"
+    lacks: ClassVar = {**Floating.lacks, "forces": "sticky contacts feel no forces"}
+
+    def make(self, settings: WorldSettings) -> StickyWorld:
+        """On the surface of the object."""
+        made = super().make(settings)
+        return StickyWorld(made.info.contacts, made.surface, 1.0)
+
+
+@pytest.fixture
+def sticky(monkeypatch: pytest.MonkeyPatch) -> str:
+    """The text of a spec of a world that is in the table by one line."""
+    monkeypatch.setitem(WORLDS, Sticky.name, Sticky())
+    return FLOATING.replace("world: floating", "world: sticky")
+
+
+def test_a_strangers_world_is_checked_explained_run_and_listed(sticky: str) -> None:
+    """It goes half as far a tick, and ends in a grasp all the same."""
+    examination = examine(sticky, "test.yaml")
+    assert examination.diagnostics == ()
+    program = examination.program
+    assert program is not None
+    assert "50 times a second, contacts float" in explained(program)[0].text()
+    slow, fast = (trial_loop(made).run(0, 3) for made in (program, program_of(FLOATING, "test.yaml")))
+    assert slow.record.outcome is fast.record.outcome is Outcome.CONVERGED
+    first, second = (trial.trajectory["points"][:2].astype(float) for trial in (slow, fast))
+    np.testing.assert_array_equal(first[0], second[0])
+    assert 0.3 < np.linalg.norm(first[1] - first[0]) / np.linalg.norm(second[1] - second[0]) < 0.7
+    assert {"name": "sticky", "about": Sticky.about} in KINDS["worlds"]()
+
+
+def test_messages_name_a_strangers_world(sticky: str) -> None:
+    """Where it comes short, and among those that a spec may name."""
+    found = examine(sticky.replace("π_gx|", "π_close|"), "test.yaml").diagnostics
+    said = [diagnostic.message for diagnostic in found if diagnostic.code == "not-sensed"]
+    assert said == ["sticky contacts feel no forces: σ_f cannot be sensed in the sticky world"]
+    [unknown] = examine(sticky.replace("world: sticky", "world: stiky"), "test.yaml").diagnostics
+    assert (unknown.message, unknown.hint) == (
+        "expected bullet, floating or sticky, found the text 'stiky'",
+        "did you mean sticky?",
+    )
+    [sensing] = examine(sticky.replace("world: sticky", "world: sticky, sensing: skin"), "test.yaml").diagnostics
+    assert sensing.message == "sticky contacts have no skin"
+
+
+def test_a_strangers_world_is_seen_again(sticky: str) -> None:
+    program = program_of(sticky, "test.yaml")
+    row = {"points": world_of(program).reset(NOWHERE, 1).points}
+    studio = program.world.studio(View(settings_of(program), None, [0, 1], [0, 1]))
+    studio.show(row)
+    assert studio.picture(studio.camera(64, 48)).shape == (48, 64, 3)
+    studio.close()
+    assert not studio.is_open
