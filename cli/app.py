@@ -304,6 +304,7 @@ class Kind(enum.StrEnum):
     HANDS = "hands"
     OBJECTS = "objects"
     WORLDS = "worlds"
+    GRADES = "grades"
 
 
 @app.command(name="list")
@@ -328,6 +329,7 @@ def list_(
 def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
     with answering():
+        from graspdsl.quality.grades import GRADES
         from graspdsl.spec.loading import json_schema
 
-        result_json(json_schema())
+        result_json(json_schema(GRADES))

@@ -1,4 +1,4 @@
-"""What there is to write with: potentials, transforms, controllers, hands, objects, worlds."""
+"""What there is to write with: potentials, transforms, controllers, hands, objects, worlds, grades."""
 
 from __future__ import annotations
 
@@ -125,6 +125,12 @@ def _worlds() -> Rows:
     return _named((name, world.about) for name, world in WORLDS.items())
 
 
+def _grades() -> Rows:
+    from graspdsl.quality.grades import GRADES
+
+    return _named((name, grade.about) for name, grade in GRADES.items())
+
+
 KINDS: Mapping[str, Callable[[], Rows]] = {
     "potentials": _potentials,
     "sensors": _sensors,
@@ -133,4 +139,5 @@ KINDS: Mapping[str, Callable[[], Rows]] = {
     "hands": _hands,
     "objects": _objects,
     "worlds": _worlds,
+    "grades": _grades,
 }

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from graspdsl.quality.grades import GRADES
 from graspdsl.spec.loading import json_schema
 
 PLACE = Path(__file__).resolve().parent / "reference.md"
@@ -24,7 +25,7 @@ Schema = Mapping[str, Any]
 
 def reference() -> str:
     """The page: a table for the spec itself and for each part that it refers to, in the order of first mention."""
-    whole = json_schema()
+    whole = json_schema(GRADES)
     places: dict[str, str] = {}
     sections = [HEAD, _section("The whole", whole)]
     waiting = list(_parts(whole, ""))

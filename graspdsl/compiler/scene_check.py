@@ -7,20 +7,28 @@ from graspdsl.compiler.declarations import Declarations
 from graspdsl.diagnostics import known_names_hint, listed
 from graspdsl.hands.descriptions import Robot, hands, joint_limits
 from graspdsl.objects.shapes import catalogue
+from graspdsl.quality.grade import Grade
+from graspdsl.quality.grades import GRADES
 from graspdsl.spec.constructing import Path
 from graspdsl.spec.distributions import numbers_of
 from graspdsl.spec.document import Document
 from graspdsl.spec.models import Spec
+from graspdsl.spec.validation import unknown_value
 from graspdsl.worlds.kinds import WORLDS, WorldKind
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
-WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = ("box", "compound", "mesh", "urdf")
 FELT_BY_HANDS = {"load-cell": "load cells", "skin": "skin", "proximity": "proximity sensors"}
 
 
 def check_scene(document: Document, complaints: Complaints) -> None:
-    """Complain about what the scene's world has not."""
+    """Complain about grades that there are not, and about what the scene's world has not."""
+    for place, grade in _asked_grades(document):
+        if grade not in GRADES:
+            path: Path = ("evaluate", place)
+            complaints.about(path)
+            message, hint = unknown_value(list(GRADES), grade)
+            complaints.error("unknown-value", message, document.span(path), hint)
     name = _value(document, ("scene", "world"))
     world = WORLDS.get(name) if isinstance(name, str) else None
     if world is None:
@@ -91,7 +99,7 @@ class _Check:
                 where = "floating contacts have no hand" if self._world.floats else "a hand from above has no height"
                 self._warn(f"the grid's {mapped} has no effect: {where}", (*grid, place, "parameter"))
         friction: Path = ("scene", "friction")
-        judged = set(self._grades()) & WRENCH_GRADES
+        judged = any(grade.by_friction for _, grade in self._grades())
         if self._world.floats and _value(self._document, friction) is not None and not judged:
             self._warn("friction has no effect: floating contacts have none, and none is judged by it", friction)
 
@@ -129,10 +137,9 @@ class _Check:
             if self._world.floats and name in names:
                 self._error("not-sensed", f"floating contacts have no {felt}", path, "use exact, or leave it out")
 
-    def _grades(self) -> list[str | None]:
-        """What is written under ``evaluate``, None in place of what is no word."""
-        given = _value(self._document, ("evaluate",))
-        return [grade if isinstance(grade, str) else None for grade in given] if isinstance(given, list) else []
+    def _grades(self) -> list[tuple[int, Grade]]:
+        """The known grades under ``evaluate``, each with its place there."""
+        return [(place, GRADES[name]) for place, name in _asked_grades(self._document) if name in GRADES]
 
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
@@ -144,10 +151,10 @@ class _Check:
             why = f"the object is {anchors[0]}"
         else:
             return
-        for place, grade in enumerate(self._grades()):
-            if grade in HANDLING_GRADES:
+        for place, grade in self._grades():
+            if grade.handles:
                 hint = "leave it out, or use a free object in the bullet world"
-                self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
+                self._error("grade-not-in-world", f"{grade.name} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""
@@ -164,6 +171,14 @@ class _Check:
     def _error(self, code: str, message: str, path: Path, hint: str) -> None:
         self._complaints.about(path)
         self._complaints.error(code, message, self._document.span(path), hint)
+
+
+def _asked_grades(document: Document) -> list[tuple[int, str]]:
+    """The words under ``evaluate``, each with its place there."""
+    given = _value(document, ("evaluate",))
+    return [
+        (place, name) for place, name in enumerate(given if isinstance(given, list) else []) if isinstance(name, str)
+    ]
 
 
 def _value(document: Document, path: Path) -> object:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -65,7 +65,9 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> tuple[Docu
     return document, None, faults
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of a spec, for editors."""
+def json_schema(grades: Iterable[str] = ()) -> dict[str, Any]:
+    """The JSON Schema of a spec, for editors; ``grades``: what ``evaluate`` may hold, any text where none are given."""
     schema = Spec.model_json_schema(by_alias=True)
+    if known := list(grades):
+        schema["properties"]["evaluate"]["items"]["enum"] = known
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}

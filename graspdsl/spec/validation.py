@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -145,7 +145,8 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
     elif kind == "finite_number":
         code, message = "not-finite", f"expected a finite number{unit}, found {as_yaml(value)}"
     elif kind == "literal_error":
-        code, (message, hint) = "unknown-value", _unknown_value(context["expected"], value)
+        known = [name.strip(" '") for name in context["expected"].replace(" or ", ",").split(",")]
+        code, (message, hint) = "unknown-value", unknown_value(known, value)
     elif kind == "wrong-form":
         code, message, hint = "wrong-form", details["msg"], context.get("hint")
         if not context:  # a value that has none of the forms; one with context says it all
@@ -239,8 +240,8 @@ def _number_hint(value: object, path: Path, model: type[BaseModel]) -> str | Non
     return f"write the bare number{f', in {said}' if said else ''}: {bare}"
 
 
-def _unknown_value(expected: str, value: object) -> tuple[str, str | None]:
-    known = [name.strip(" '") for name in expected.replace(" or ", ",").split(",")]
+def unknown_value(known: Sequence[str], value: object) -> tuple[str, str | None]:
+    """What to say of a value that is none of those known: the message, and a hint at what was meant."""
     close = nearest(value, known) if isinstance(value, str) else []
     hint = f"did you mean {listed(close, 'or')}?" if close else None
     return f"expected {listed(known, 'or')}, found {shown(value)}", hint
