@@ -14,11 +14,20 @@ from rich.text import Text
 from graspdsl.cli.inputs import InputError, examined, reading, sound
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
-from graspdsl.cli.tables import reasons_table, row, table, text_of
+from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import on_one_line
-from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
-from graspdsl.report.map_files import FILES, map_files
+from graspdsl.report.attraction import (
+    FILES,
+    AttractionMap,
+    as_data,
+    attraction_map,
+    map_files,
+    map_of_run,
+    repeating,
+)
+from graspdsl.report.run_tables import SHARES, reasons_table
+from graspdsl.report.tables import COUNT, Column, Table
 from graspdsl.report.wording import percent
 from graspdsl.report.writing import prepare, replace
 from graspdsl.spec.named_files import COPIES
@@ -157,16 +166,16 @@ def _text(numbers: dict[str, Any]) -> str:
         bounds = f"{axis['low']:g} to {axis['high']:g} {axis['unit']}, {axis['cells']} cells"
         head.append(f"{name}: {axis['parameter']}, {bounds}")
     head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in numbers['fixed'].items())}")
-    listed = table("Where starts end", "class", "cells", "share", "95 % interval")
-    for entry in numbers["classes"]:
-        low, high = entry["interval"]
-        row(listed, entry["label"], str(entry["count"]), percent(entry["share"]), f"{percent(low)} to {percent(high)}")
+    rows = tuple((entry["label"], entry["count"], entry["share"], entry["interval"]) for entry in numbers["classes"])
+    listed = Table("Where starts end", (Column("class"), Column("cells", COUNT), *SHARES[1:]), rows)
     reasons = [
         (entry["label"], said["detail"], said["count"], entry["count"])
         for entry in numbers["classes"]
         if (said := entry["mostly"]) is not None
     ]
-    why: list[RenderableType] = ["", reasons_table("Why starts did not converge, mostly", reasons)] if reasons else []
+    why: list[RenderableType] = (
+        ["", laid_out(reasons_table("Why starts did not converge, mostly", reasons))] if reasons else []
+    )
     good, (low, high) = numbers["converged"], numbers["converged"]["interval"]
     whole = "no start was feasible"
     if numbers["feasible"]:
@@ -178,4 +187,4 @@ def _text(numbers: dict[str, Any]) -> str:
         whole,
         Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
     ]
-    return text_of([*head, "", listed, *why, *foot], f"  {numbers['command']}")
+    return text_of([*head, "", laid_out(listed), *why, *foot], f"  {numbers['command']}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from collections import Counter
@@ -15,11 +16,14 @@ import numpy as np
 from graspdsl.compiler.program import Program
 from graspdsl.report.outcomes import grouped
 from graspdsl.report.statistics import modes, wilson
+from graspdsl.spec.named_files import MAP_DATA
 from graspdsl.trials.cells import Axis, Cells
 from graspdsl.trials.grids import cells_of
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import SPEC, RunFolder
+
+FILES = ("map.svg", "map.png", MAP_DATA)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +154,7 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
 
 def _mostly(cells: Cells, found: CellClass) -> dict[str, Any] | None:
     said = grouped((cell, cells.details[cell]) for cell in found.cells)
-    return {"detail": said[0]["detail"], "count": len(said[0]["trials"])} if said else None
+    return {"detail": said[0].detail, "count": len(said[0].trials)} if said else None
 
 
 def _axis(axis: Axis) -> Mapping[str, Any]:
@@ -170,3 +174,13 @@ def _rows(values: list[Any], columns: int) -> list[list[Any]]:
 
 def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
+
+
+def map_files(made: AttractionMap) -> dict[str, str | bytes]:
+    """A map's figure and numbers, by the names of their files."""
+    from graspdsl.report.drawing import png_of, svg_of
+    from graspdsl.report.map_figure import map_figure
+
+    figure = map_figure(made)
+    contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
+    return dict(zip(FILES, contents, strict=True))

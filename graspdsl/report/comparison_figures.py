@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from graspdsl.arrays import Array
-from graspdsl.report.bands import Band, band
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.figures import SMALL, panels_of
 from graspdsl.report.palette import LIGHT, series
-from graspdsl.report.statistics import RIGHT_ANGLE, bandwidth, density
+from graspdsl.report.statistics import RIGHT_ANGLE, Band, band, bandwidth, density
 
 STEPS = 400  # points in time that a mean is drawn through
 FAR = 20.0  # times: runs whose lengths differ by more are drawn over a logarithm

@@ -6,15 +6,15 @@ import json
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
+from graspdsl.report.comparison import Comparison, comparison_tables, methods_of
 from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
-from graspdsl.report.comparison_tables import methods_of, tables_of
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.summary import plain
 from graspdsl.report.templating import DrawnFigure, rendered
 from graspdsl.report.writing import prepare
 from graspdsl.trials.store import RunFolder
@@ -39,19 +39,19 @@ FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
 }
 
 
-def write_comparison(place: Path, folders: Sequence[RunFolder], numbers: Mapping[str, Any]) -> None:
+def write_comparison(place: Path, evidences: Sequence[Evidence], found: Comparison) -> None:
     """Write the figures, the numbers and the page of a comparison into an empty or new folder.
 
-    Raises DiagnosticError where it cannot, or when a run cannot be read.
+    Raises DiagnosticError where it cannot.
     """
-    sides = [Side(_label(number, folder), gathered(folder)) for number, folder in enumerate(folders, 1)]
-    files: dict[str, str | bytes] = {NUMBERS: json.dumps(numbers, indent=2, allow_nan=False) + "\n"}
+    sides = [Side(_label(number, evidence.folder), evidence) for number, evidence in enumerate(evidences, 1)]
+    files: dict[str, str | bytes] = {NUMBERS: json.dumps(plain(found), indent=2, allow_nan=False) + "\n"}
     drawn = []
     for name, (draw, caption) in FIGURES.items():
         figure = draw(sides)
         files[f"{name}.svg"], files[f"{name}.png"] = svg_of(figure, name), png_of(figure)
         drawn.append(DrawnFigure(Markup(inline_svg(svg_of(figure, name), name, str(escape(caption)))), caption))
-    files[PAGE] = page(numbers, drawn)
+    files[PAGE] = page(found, drawn)
     prepare(place, files)
 
 
@@ -60,12 +60,12 @@ def _label(number: int, folder: RunFolder) -> str:
     return textwrap.shorten(whole, LONGEST_LABEL, placeholder=" …")
 
 
-def page(numbers: Mapping[str, Any], figures: Sequence[DrawnFigure]) -> str:
+def page(found: Comparison, figures: Sequence[DrawnFigure]) -> str:
     """The page of a comparison: one file that needs no other."""
     return rendered(
         "compare.html",
-        runs=numbers["runs"],
-        tables=tables_of(numbers),
-        methods=methods_of(numbers),
+        runs=found.runs,
+        tables=comparison_tables(found),
+        methods=methods_of(found),
         figures=figures,
     )

@@ -11,9 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from graspdsl.arrays import Array
-from graspdsl.report.bands import Band
 from graspdsl.report.palette import LIGHT, series
-from graspdsl.report.statistics import RIGHT_ANGLE, bandwidth, density
+from graspdsl.report.statistics import RIGHT_ANGLE, Band, bandwidth, density
 
 WIDTH = 5.4  # in
 SMALL, MEDIUM = 8.0, 8.8  # pt

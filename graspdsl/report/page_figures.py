@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from graspdsl.arrays import Array
 from graspdsl.report.attraction import map_of_run
-from graspdsl.report.bands import Band, band
 from graspdsl.report.drawing import svg_of
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.figures import Draws, Funnel, convergence_figure, funnel_figure, residual_figure, starts_figure
 from graspdsl.report.map_figure import map_figure
 from graspdsl.report.palette import series
-from graspdsl.report.statistics import bandwidth
+from graspdsl.report.statistics import Band, band, bandwidth
+from graspdsl.report.summary import Summary
 from graspdsl.report.wording import counted
 
-Numbers = Mapping[str, Any]
 MILLIMETRES = 1000.0  # in a metre
 
 
@@ -45,16 +43,16 @@ def tick_of(evidence: Evidence) -> str:
     return "probes" if evidence.program.probes else "controller ticks"
 
 
-def drawn_funnel(evidence: Evidence, numbers: Numbers) -> Drawing | None:
+def drawn_funnel(evidence: Evidence, summary: Summary) -> Drawing | None:
     """Where grasps started and ended; None where no grasp had an orientation."""
-    before = _angles(numbers["orientation"]["start"])
-    touched = np.array([bool(touching) for touching in numbers["in_contact"]["end"]], dtype=bool)
-    after = np.where(touched, _angles(numbers["orientation"]["end"]), math.nan)
+    before = _angles(summary.orientation.start)
+    touched = np.array([bool(touching) for touching in summary.in_contact.end], dtype=bool)
+    after = np.where(touched, _angles(summary.orientation.end), math.nan)
     if not (np.isfinite(before).any() or np.isfinite(after).any()):
         return None
-    ranks = {number: rank for rank, mode in enumerate(numbers["modes"]) for number in mode["trials"]}
+    ranks = {number: rank for rank, mode in enumerate(summary.modes) for number in mode.trials}
     of_trial = [ranks.get(record.number, -1) for record in evidence.records]
-    centres = [mode["centre"] for mode in numbers["modes"]]
+    centres = [mode.centre for mode in summary.modes]
     widths = [f"{bandwidth(known):.3f} rad" for known in (before[np.isfinite(before)], after[np.isfinite(after)])]
     caption = (
         "Orientation of the grasp against the object's axis, before the controller (above) and at the end (below); a "
@@ -65,11 +63,11 @@ def drawn_funnel(evidence: Evidence, numbers: Numbers) -> Drawing | None:
     return drawing("funnel", funnel_figure(Funnel(before, after, of_trial, centres)), caption)
 
 
-def drawn_residuals(evidence: Evidence, numbers: Numbers) -> list[Drawing]:
+def drawn_residuals(evidence: Evidence, summary: Summary) -> list[Drawing]:
     """How residuals fell, for each mode, and for the trials that ended in none."""
-    groups: list[tuple[str, str, str, list[int]]] = [
-        (f"residuals-mode-{rank}", f"Mode {rank}, {mode['centre']:.2f} rad", series(rank - 1), mode["trials"])
-        for rank, mode in enumerate(numbers["modes"], 1)
+    groups: list[tuple[str, str, str, Sequence[int]]] = [
+        (f"residuals-mode-{rank}", f"Mode {rank}, {mode.centre:.2f} rad", series(rank - 1), mode.trials)
+        for rank, mode in enumerate(summary.modes, 1)
     ]
     within = {number for *_, members in groups for number in members}
     others = [record.number for record in evidence.records if record.number not in within]
@@ -129,16 +127,16 @@ def drawn_map(evidence: Evidence) -> Drawing | None:
     return drawing("map", map_figure(made), caption)
 
 
-def drawn_starts(evidence: Evidence, numbers: Numbers) -> Drawing | None:
+def drawn_starts(evidence: Evidence, summary: Summary) -> Drawing | None:
     """What became of the draws of a start; None where every draw began a trial, or nothing differs between them."""
     kept = [record.start for record in evidence.records if record.start]
     rejected = [start.drawn for record in evidence.records for start in record.rejected]
-    names = [name for name in numbers["starts"]["parameters"] if all(name in start for start in rejected)]
+    names = [name for name in summary.starts.parameters if all(name in start for start in rejected)]
     if not names or not rejected:
         return None
     draws = [
         Draws(
-            f"{name} ({numbers['starts']['parameters'][name]['unit'] or 'rad or m'})",
+            f"{name} ({summary.starts.parameters[name].unit or 'rad or m'})",
             np.array([start[name] for start in kept]),
             np.array([start[name] for start in rejected]),
         )

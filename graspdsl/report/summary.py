@@ -1,110 +1,280 @@
-"""The summary of a run: the numbers of ``report --json``."""
+"""The summary of a run: every number that a report tells, worked out once.
+
+Console, page and ``--json`` are three renderings of it. What could not be measured is None, NaN in a record.
+"""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum
 from operator import attrgetter
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BaseModel
 
-from graspdsl.report.evidence import Evidence, gathered
-from graspdsl.report.outcomes import outcome_table
-from graspdsl.report.quality import quality
-from graspdsl.report.start_selection import starts_of
-from graspdsl.report.statistics import bandwidth, median, modes, wilson
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.outcomes import OutcomeCount, outcome_table
+from graspdsl.report.quality import Quality, quality
+from graspdsl.report.start_selection import Starts, starts_of
+from graspdsl.report.statistics import Interval, bandwidth, median, modes, wilson
+from graspdsl.spec.program import Until
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
 
+Ratio = Annotated[float | None, "1"]
+Metres = Annotated[float | None, "m"]
+SquareMetres = Annotated[float | None, "m²"]
+Radians = Annotated[float | None, "rad"]
+Newtons = Annotated[float | None, "N"]
+Seconds = Annotated[float | None, "s"]
+Count = Annotated[float | None, "ticks or probes, or samples"]
 
-def summary(folder: RunFolder) -> dict[str, Any]:
-    """The numbers of the run in a folder, as of :func:`numbers_of`. Raises DiagnosticError when it cannot be read."""
-    return numbers_of(gathered(folder))
+
+@dataclass(frozen=True, slots=True)
+class TrialCounts:
+    """How many trials were asked for and finished, and how many of these can differ: the others repeat them."""
+
+    asked: int
+    finished: int
+    different: int
 
 
-def numbers_of(evidence: Evidence) -> dict[str, Any]:
-    """Everything a report says of a run, as plain data; what could not be measured is None.
+@dataclass(frozen=True, slots=True)
+class Converged:
+    """The share of finished trials that converged, with its Wilson interval of 95 %, and what that means."""
 
-    Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth: ``start`` and ``end`` over
-    all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
-    of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether the hand felt
-    all contacts at any time (start) and whether all truly touched at the last tick (end, None where the trajectory is
-    lost). Shares carry 95 % Wilson intervals, which take trials as independent: ``different`` is how many of them can
-    differ from one another, the others repeat them.
-    """
+    share: Ratio
+    interval: Interval
+    means: Until
+
+
+@dataclass(frozen=True, slots=True)
+class InContact:
+    """By trial: whether the hand felt all contacts at any time, and whether all truly touched at the last tick, None
+    where the trajectory is lost."""
+
+    start: tuple[bool, ...]
+    end: tuple[bool | None, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Squared:
+    """Medians of ε = ρᵀρ [1 or m²]."""
+
+    start: Annotated[float | None, "1 or m²"]
+    end: Annotated[float | None, "1 or m²"]
+    end_in_contact: Annotated[float | None, "1 or m²"]
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """Medians of ‖ρ_f‖ (1) or ‖ρ_m‖ [m] by the simulator's truth: ``start`` and ``end`` over all trials,
+    ``end_in_contact`` over those whose contacts all touched at the end."""
+
+    start: Annotated[float | None, "1 or m"]
+    end: Annotated[float | None, "1 or m"]
+    end_in_contact: Annotated[float | None, "1 or m"]
+    squared: Squared
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Those of force (1) and moment [m]."""
+
+    force: Residual
+    moment: Residual
+
+
+@dataclass(frozen=True, slots=True)
+class Orientations:
+    """Orientations of the grasp [rad] by trial."""
+
+    start: tuple[Radians, ...]
+    end: tuple[Radians, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ModeSummary:
+    """A mode of the end orientations of trials whose contacts all touched: its peak and range, its share ``of`` so
+    many trials with an interval, the medians over its trials, and these by number."""
+
+    centre: Annotated[float, "rad"]
+    share: Annotated[float, "1"]
+    of: int
+    interval: Interval
+    force_residual: Ratio
+    moment_residual: Metres
+    force_squared: Ratio
+    moment_squared: SquareMetres
+    range: Annotated[Interval, "rad"]
+    trials: tuple[int, ...]
+    bandwidth: Annotated[float, "rad"]
+
+
+@dataclass(frozen=True, slots=True)
+class Ticks:
+    """Ticks or probes to converge."""
+
+    median: Count
+    p90: Count
+
+
+@dataclass(frozen=True, slots=True)
+class ContactForce:
+    """Over the contacts of converged trials."""
+
+    median: Newtons
+    least: Newtons
+    largest: Newtons
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectShift:
+    """How far the object was moved."""
+
+    median: Metres
+    largest: Metres
+
+
+@dataclass(frozen=True, slots=True)
+class Sensing:
+    """Errors of sensed contact points and normals, percentiles over a trial's readings; ``tare_s``: the time to tare
+    sensors. Medians over trials."""
+
+    point_error_p50: Metres
+    point_error_p95: Metres
+    normal_error_p50: Radians
+    normal_error_p95: Radians
+    tare_s: Seconds
+
+
+@dataclass(frozen=True, slots=True)
+class MedianSamples:
+    """Tactile samples of a converged trial."""
+
+    median: Count
+
+
+@dataclass(frozen=True, slots=True)
+class MedianTime:
+    """Simulated time of a converged trial."""
+
+    median: Seconds
+
+
+@dataclass(frozen=True, slots=True)
+class Probes:
+    """Probes of all trials together; 0 where contacts slide."""
+
+    total: int
+
+
+@dataclass(frozen=True, slots=True)
+class Priorities:
+    """How far lower priorities leaked into higher ones, and how many levels lie above another."""
+
+    largest_leak: Ratio
+    leaking_ticks: int = field(metadata={"key": "ticks_above_1e-6"})
+    levels: int
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Everything a report says of a run. ``command`` runs the same trials again."""
+
+    name: str
+    run: str
+    seed: int
+    trials: TrialCounts
+    outcomes: Mapping[str, int]
+    converged: Converged
+    outcome_table: tuple[OutcomeCount, ...]
+    in_contact: InContact
+    residuals: Residuals
+    orientation: Orientations
+    modes: tuple[ModeSummary, ...]
+    ticks_to_converge: Ticks
+    contact_force: ContactForce
+    object_shift: ObjectShift
+    sensing: Sensing
+    samples: MedianSamples
+    probes: Probes
+    trial_s: MedianTime
+    priorities: Priorities
+    quality: Quality
+    starts: Starts
+    wall_s: Seconds
+    world_s: Seconds
+    records: tuple[TrialRecord, ...]
+    versions: Mapping[str, str]
+    command: str
+
+    def count(self, outcome: Outcome) -> int:
+        """How many trials ended so."""
+        return self.outcomes.get(outcome.value, 0)
+
+
+def summarised(evidence: Evidence) -> Summary:
+    """The summary of a run."""
     folder, records = evidence.folder, evidence.records
     manifest, spec = folder.manifest, evidence.program.spec
     in_contact = [record for record in records if evidence.touching(record)]
     good = [record for record in records if record.outcome is Outcome.CONVERGED]
-    converged = len(good)
     to_converge = [record.ticks_to_converge for record in records if record.ticks_to_converge is not None]
-    return {
-        "name": manifest.name,
-        "run": str(folder.path),
-        "seed": manifest.seed,
-        "trials": {
-            "asked": manifest.asked,
-            "finished": len(records),
-            "different": int(min(len(records), spec.different_trials)),
-        },
-        "outcomes": dict(Counter(record.outcome.value for record in records).most_common()),
-        "converged": {
-            "share": _share(converged, len(records)),
-            "interval": wilson(converged, len(records)),
-            "means": spec.program[-1].until.model_dump(mode="json"),
-        },
-        "outcome_table": outcome_table(records),
-        "in_contact": {
-            "start": [record.samples > 0 for record in records],
-            "end": [evidence.touching(record) for record in records],
-        },
-        "residuals": {
-            "force": _residual(records, in_contact, "force"),
-            "moment": _residual(records, in_contact, "moment"),
-        },
-        "orientation": {
-            "start": [_known(record.orientation_start) for record in records],
-            "end": [_known(record.orientation_end) for record in records],
-        },
-        "modes": _modes(in_contact),
-        "ticks_to_converge": {"median": _percentile(to_converge, 50), "p90": _percentile(to_converge, 90)},
-        "contact_force": {
-            "median": median(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-            "least": _least(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-            "largest": _largest(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-        },
-        "object_shift": {
-            "median": median(r.object_shift for r in records),
-            "largest": _largest(r.object_shift for r in records),
-        },
-        "sensing": {
-            "point_error_p50": median(record.point_error[0] for record in records),
-            "point_error_p95": median(record.point_error[1] for record in records),
-            "normal_error_p50": median(record.normal_error[0] for record in records),
-            "normal_error_p95": median(record.normal_error[1] for record in records),
-            "tare_s": median(record.tare_s for record in records),
-        },
-        "samples": {"median": median(float(record.samples) for record in good)},
-        "probes": {"total": sum(record.ticks for record in records) if evidence.program.probes else 0},
-        "trial_s": {"median": median(record.world_s for record in good)},
-        "priorities": {
-            "largest_leak": _largest(record.largest_leak for record in records),
-            "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
-            "levels": max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
-        },
-        "quality": quality(records),
-        "starts": starts_of(evidence.program.spec.trials, records),
-        "wall_s": manifest.wall_s,
-        "world_s": sum(record.world_s for record in records),
-        "records": [_plain(record) for record in records],
-        "versions": dict(manifest.versions),
-        "command": repeating(folder),
-    }
+    forces = [force for record in good for force in record.contact_forces]
+    return Summary(
+        name=manifest.name,
+        run=str(folder.path),
+        seed=manifest.seed,
+        trials=TrialCounts(manifest.asked, len(records), int(min(len(records), spec.different_trials))),
+        outcomes=dict(Counter(record.outcome.value for record in records).most_common()),
+        converged=Converged(
+            len(good) / len(records) if records else None, wilson(len(good), len(records)), spec.program[-1].until
+        ),
+        outcome_table=tuple(outcome_table(records)),
+        in_contact=InContact(
+            tuple(record.samples > 0 for record in records), tuple(evidence.touching(record) for record in records)
+        ),
+        residuals=Residuals(_residual(records, in_contact, "force"), _residual(records, in_contact, "moment")),
+        orientation=Orientations(
+            tuple(_known(record.orientation_start) for record in records),
+            tuple(_known(record.orientation_end) for record in records),
+        ),
+        modes=tuple(_modes(in_contact)),
+        ticks_to_converge=Ticks(_percentile(to_converge, 50), _percentile(to_converge, 90)),
+        contact_force=ContactForce(median(forces), min(_finite(forces), default=None), _largest(forces)),
+        object_shift=ObjectShift(
+            median(record.object_shift for record in records), _largest(record.object_shift for record in records)
+        ),
+        sensing=Sensing(
+            point_error_p50=median(record.point_error[0] for record in records),
+            point_error_p95=median(record.point_error[1] for record in records),
+            normal_error_p50=median(record.normal_error[0] for record in records),
+            normal_error_p95=median(record.normal_error[1] for record in records),
+            tare_s=median(record.tare_s for record in records),
+        ),
+        samples=MedianSamples(median(float(record.samples) for record in good)),
+        probes=Probes(sum(record.ticks for record in records) if evidence.program.probes else 0),
+        trial_s=MedianTime(median(record.world_s for record in good)),
+        priorities=Priorities(
+            _largest(record.largest_leak for record in records),
+            sum(record.leaking_ticks for record in records),
+            max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
+        ),
+        quality=quality(records),
+        starts=starts_of(spec.trials, records),
+        wall_s=manifest.wall_s,
+        world_s=sum(record.world_s for record in records),
+        records=records,
+        versions=dict(manifest.versions),
+        command=repeating(folder),
+    )
 
 
 def repeating(folder: RunFolder) -> str:
@@ -118,52 +288,38 @@ def repeating(folder: RunFolder) -> str:
 
 def _residual(
     records: Sequence[TrialRecord], in_contact: Sequence[TrialRecord], kind: Literal["force", "moment"]
-) -> dict[str, Any]:
+) -> Residual:
     start, end = attrgetter(f"{kind}_residual_start"), attrgetter(f"{kind}_residual_end")
-    return {
-        "start": median(map(start, records)),
-        "end": median(map(end, records)),
-        "end_in_contact": median(map(end, in_contact)),
-        "squared": {
-            "start": median(_square(start(record)) for record in records),
-            "end": median(_square(end(record)) for record in records),
-            "end_in_contact": median(_square(end(record)) for record in in_contact),
-        },
-    }
+    return Residual(
+        start=median(map(start, records)),
+        end=median(map(end, records)),
+        end_in_contact=median(map(end, in_contact)),
+        squared=Squared(
+            start=median(_square(start(record)) for record in records),
+            end=median(_square(end(record)) for record in records),
+            end_in_contact=median(_square(end(record)) for record in in_contact),
+        ),
+    )
 
 
-def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
+def _modes(records: Sequence[TrialRecord]) -> Iterable[ModeSummary]:
     measured = [record for record in records if math.isfinite(record.orientation_end)]
     ends = np.array([record.orientation_end for record in measured])
-    found = []
     for mode in modes(ends):
         members = [measured[i] for i in mode.members]
-        found.append(
-            {
-                "centre": mode.centre,
-                "share": len(members) / len(measured),
-                "of": len(measured),
-                "interval": wilson(len(members), len(measured)),
-                "force_residual": median(record.force_residual_end for record in members),
-                "moment_residual": median(record.moment_residual_end for record in members),
-                "force_squared": median(_square(record.force_residual_end) for record in members),
-                "moment_squared": median(_square(record.moment_residual_end) for record in members),
-                "range": [mode.low, mode.high],
-                "trials": [record.number for record in members],
-                "bandwidth": bandwidth(ends),
-            }
+        yield ModeSummary(
+            centre=mode.centre,
+            share=len(members) / len(measured),
+            of=len(measured),
+            interval=wilson(len(members), len(measured)),
+            force_residual=median(record.force_residual_end for record in members),
+            moment_residual=median(record.moment_residual_end for record in members),
+            force_squared=median(_square(record.force_residual_end) for record in members),
+            moment_squared=median(_square(record.moment_residual_end) for record in members),
+            range=(mode.low, mode.high),
+            trials=tuple(record.number for record in members),
+            bandwidth=bandwidth(ends),
         )
-    return found
-
-
-def _plain(record: TrialRecord) -> dict[str, Any]:
-    plain: dict[str, Any] = {}
-    for name, value in dataclasses.asdict(record).items():
-        if isinstance(value, tuple):
-            plain[name] = [_known(part) if isinstance(part, float) else part for part in value]
-        else:
-            plain[name] = _known(value) if isinstance(value, float) else value
-    return {**plain, "outcome": record.outcome.value}
 
 
 def _square(value: float) -> float:
@@ -182,13 +338,22 @@ def _percentile(values: Sequence[float], percent: float) -> float | None:
     return float(np.percentile(values, percent)) if values else None
 
 
-def _least(values: Iterable[float]) -> float | None:
-    return min(_finite(values), default=None)
-
-
 def _largest(values: Iterable[float]) -> float | None:
     return max(_finite(values), default=None)
 
 
-def _share(part: int, whole: int) -> float | None:
-    return part / whole if whole else None
+def plain(value: Any) -> Any:
+    """Plain data, for JSON: a dataclass by its fields or as its ``as_data`` says; None for what is not finite."""
+    if hasattr(value, "as_data"):
+        return plain(value.as_data())
+    if is_dataclass(value):
+        return {one.metadata.get("key", one.name): plain(getattr(value, one.name)) for one in fields(value)}
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    if isinstance(value, Enum):
+        return value.value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
