@@ -36,7 +36,7 @@ def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
 def comparison_text(found: Comparison) -> str:
     """A comparison laid out for the terminal that stdout is."""
     heads = [
-        ", ".join([f"{number}: {run.name}", *run.settings, f"seed {run.seed}", run.run])
+        ", ".join([f"{number}: {run.summary.name}", *run.settings, f"seed {run.summary.seed}", run.summary.run])
         for number, run in enumerate(found.runs, 1)
     ]
     parts: list[RenderableType] = [Text(writable(on_one_line(head)), overflow="fold") for head in heads]

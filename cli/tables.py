@@ -71,19 +71,19 @@ def summary_text(summary: Summary) -> str:
 
 
 def _head(summary: Summary) -> list[RenderableType]:
-    finished, asked, converged = summary.trials.finished, summary.trials.asked, summary.converged
+    finished, asked = summary.finished, summary.asked
     head: list[RenderableType] = [Text(f"{summary.name}, seed {summary.seed}", style="bold")]
     if finished < asked:
         head.append(f"{finished} of {asked} trials are finished")
     if finished:
         head.append(
             f"{summary.outcomes.get('converged', 0)} of {finished} trials converged: "
-            f"{percent(converged.share)} (95 % interval {percents(converged.interval)})"
+            f"{percent(summary.converged)} (95 % interval {percents(summary.converged_interval)})"
         )
     if said := feasible(summary.starts):
         head.append(f"That is {said}.")
-    repeated = repetition(summary.trials)
-    return [*head, *([repeated] if repeated else []), f"Converged: {conditions(converged.means)}."]
+    repeated = repetition(summary)
+    return [*head, *([repeated] if repeated else []), f"Converged: {conditions(summary.converged_means)}."]
 
 
 def _foot(summary: Summary) -> list[RenderableType]:

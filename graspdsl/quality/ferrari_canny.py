@@ -71,7 +71,7 @@ class FerrariCannyGrade(Grade):
         "Ferrari and Canny's ε: the radius of the largest ball of wrenches about the origin that the grasp can balance "
         "with contact forces of bounded size; volume: that of the set of all wrenches it can balance."
     )
-    title = "Ferrari–Canny"
+    title, column = "Ferrari–Canny", "Ferrari-Canny"
     quantities = (Quantity("epsilon", "ε"), Quantity("volume", "volume"))
     by_friction = True
 

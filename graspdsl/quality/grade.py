@@ -89,10 +89,10 @@ class Grade(ABC):
 
     name: under ``evaluate`` and in records; about: a line for ``list``; definition: what a page says of it, in the
     terms of the literature. passed: the key of its yes or no, "" for none, beside which stands the ``reason`` of a no;
-    column: what a console calls the grasps that passed. verdict: in which of the verdicts that are set side by side
-    its yes or no counts, "" for none; of two grades the later one of the table counts. quantities: the numbers that it
-    finds. by_friction: whether the scene's friction has a part in it; handles: whether the world must lift a free
-    object with a hand.
+    column: what a console calls the grasps that passed, or its numbers. verdict: in which of the verdicts that are set
+    side by side its yes or no counts, "" for none; of two grades the later one of the table counts. quantities: the
+    numbers that it finds. by_friction: whether the scene's friction has a part in it; handles: whether the world must
+    lift a free object with a hand.
     """
 
     name: ClassVar[str]

@@ -74,7 +74,7 @@ class _Run:
 
     def __init__(self, evidence: Evidence, summary: Summary) -> None:
         self.evidence, self.name = evidence, evidence.program.spec.name
-        touching = zip(evidence.records, summary.in_contact.end, strict=True)
+        touching = zip(evidence.records, summary.in_contact_end, strict=True)
         self.ended = [record for record, touched in touching if touched and math.isfinite(record.orientation_end)]
         self.ends = np.array([record.orientation_end for record in self.ended])
         self.modes = modes(self.ends)

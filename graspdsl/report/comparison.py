@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.outcomes import OutcomeCount
 from graspdsl.report.statistics import (
     Estimate,
-    Interval,
     difference_of_medians,
     difference_of_paired_shares,
     difference_of_shares,
     median,
     ratio_of_medians,
-    wilson,
 )
 from graspdsl.report.summary import Summary
-from graspdsl.report.tables import TEXT, Column, Format, Table, Value, fixed
+from graspdsl.report.tables import TEXT, Column, Table, Value, fixed
 from graspdsl.report.wording import NOTHING, percent, percents
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
@@ -75,41 +74,37 @@ MEASURES: Mapping[str, Measure] = {
 
 
 @dataclass(frozen=True, slots=True)
-class OutcomeShare:
-    """How many trials ended so, their share, and its Wilson interval of 95 %."""
-
-    count: int
-    share: float
-    interval: Interval
-
-
-@dataclass(frozen=True, slots=True)
-class ModeShare:
-    """A mode of the end orientation: its peak [rad], its share with an interval, how many trials it has."""
-
-    centre: float
-    share: float
-    interval: Interval
-    count: int
-
-
-@dataclass(frozen=True, slots=True)
 class ComparedRun:
-    """What one of the runs did. ``medians``: of each of MEASURES, in its unit."""
+    """What one of the runs did: its summary, its settings, and the median of each of MEASURES, in its unit."""
 
-    name: str
+    summary: Summary
     settings: tuple[str, ...]
-    run: str
-    seed: int
-    command: str
-    asked: int
-    finished: int
-    converged: int
-    share: float | None
-    interval: Interval
-    outcomes: Mapping[str, OutcomeShare]
-    modes: tuple[ModeShare, ...]
     medians: Mapping[str, float | None]
+
+    def as_data(self) -> dict[str, Any]:
+        """Of its summary what is compared."""
+        one = self.summary
+        return {
+            "name": one.name,
+            "settings": self.settings,
+            "run": one.run,
+            "seed": one.seed,
+            "command": one.command,
+            "asked": one.asked,
+            "finished": one.finished,
+            "converged": one.count(Outcome.CONVERGED),
+            "share": one.converged,
+            "interval": one.converged_interval,
+            "outcomes": {
+                entry.outcome: {"count": entry.count, "share": entry.share, "interval": entry.interval}
+                for entry in one.outcome_table
+            },
+            "modes": [
+                {"centre": mode.centre, "share": mode.share, "interval": mode.interval, "count": len(mode.trials)}
+                for mode in one.modes
+            ],
+            "medians": self.medians,
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,25 +150,8 @@ def comparison(runs: Sequence[tuple[Evidence, Summary]]) -> Comparison:
 
 
 def _compared(evidence: Evidence, summary: Summary) -> ComparedRun:
-    finished, converged = len(evidence.records), summary.count(Outcome.CONVERGED)
-    return ComparedRun(
-        name=summary.name,
-        settings=tuple(evidence.folder.manifest.settings),
-        run=summary.run,
-        seed=summary.seed,
-        command=summary.command,
-        asked=summary.trials.asked,
-        finished=finished,
-        converged=converged,
-        share=summary.converged.share,
-        interval=summary.converged.interval,
-        outcomes={
-            name: OutcomeShare(count, count / finished, wilson(count, finished))
-            for name, count in summary.outcomes.items()
-        },
-        modes=tuple(ModeShare(mode.centre, mode.share, mode.interval, len(mode.trials)) for mode in summary.modes),
-        medians={name: median(measure.values(evidence.records)) for name, measure in MEASURES.items()},
-    )
+    medians = {name: median(measure.values(evidence.records)) for name, measure in MEASURES.items()}
+    return ComparedRun(summary, tuple(evidence.folder.manifest.settings), medians)
 
 
 def _against(first: Evidence, other: Evidence) -> Against:
@@ -262,27 +240,29 @@ def _side_by_side(
     return Table(title, (Column(first), *(Column(name, TEXT) for name in names)), tuple(rows), note)
 
 
-_SHARE = Format(lambda found: f"{percent(found.share)}, {percents(found.interval)}")
-_COUNTED = Format(lambda found: f"{found.count}: {_SHARE.text(found)}")
-_MODE = Format(lambda mode: f"{mode.centre:.2f} rad: {_SHARE.text(mode)}")
+_SHARE = replace(TEXT, text=lambda found: f"{percent(found.share)}, {percents(found.interval)}")
+_COUNTED = replace(TEXT, text=lambda found: f"{found.count}: {_SHARE.text(found)}")
+_MODE = replace(TEXT, text=lambda mode: f"{mode.centre:.2f} rad: {_SHARE.text(mode)}")
 
 
 def _outcomes(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
-    known = dict.fromkeys([Outcome.CONVERGED.value, *[name for run in runs for name in run.outcomes]])
-    rows: list[tuple[object, ...]] = [("finished trials", *[f"{run.finished} of {run.asked}" for run in runs])]
-    rows += [(name, *[_outcome(run, name) for run in runs]) for name in known]
+    tables = [{entry.outcome: entry for entry in run.summary.outcome_table} for run in runs]
+    known = dict.fromkeys([Outcome.CONVERGED.value, *[name for found in tables for name in found]])
+    finished = [f"{run.summary.finished} of {run.summary.asked}" for run in runs]
+    rows: list[tuple[object, ...]] = [("finished trials", *finished)]
+    rows += [(name, *[_outcome(found, name) for found in tables]) for name in known]
     return _side_by_side("How trials ended: shares with 95 % intervals", "outcome", names, rows)
 
 
-def _outcome(run: ComparedRun, name: str) -> object:
-    return Value(run.outcomes[name], _COUNTED) if name in run.outcomes else "0" if run.finished else None
+def _outcome(found: Mapping[str, OutcomeCount], name: str) -> object:
+    return Value(found[name], _COUNTED) if name in found else "0" if found else None
 
 
 def _modes(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
-    most = max(len(run.modes) for run in runs)
+    columns = [run.summary.modes for run in runs]
     rows = [
-        (str(place + 1), *[Value(run.modes[place] if place < len(run.modes) else None, _MODE) for run in runs])
-        for place in range(most)
+        (str(place + 1), *[Value(modes[place] if place < len(modes) else None, _MODE) for modes in columns])
+        for place in range(max(map(len, columns)))
     ]
     return _side_by_side("Modes of the end orientation: shares with 95 % intervals", "mode", names, rows)
 
@@ -296,7 +276,7 @@ def _medians(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
 
 
 def _against_table(others: Sequence[Against], names: Sequence[str]) -> Table:
-    points = Format(_points)
+    points = replace(TEXT, text=_points)
     rows: list[tuple[object, ...]] = [
         ("pairs of equal starts", *[_pairs(other) for other in others]),
         ("share converged, difference", *[Value(other.converged, points) for other in others]),

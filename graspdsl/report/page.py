@@ -90,7 +90,7 @@ def _drawings(evidence: Evidence, summary: Summary) -> list[Drawing]:
 def _page(
     evidence: Evidence, summary: Summary, drawings: Sequence[Drawing], frames: Frames, claims: Sequence[Claim]
 ) -> str:
-    tick, within = tick_of(evidence), summary.ticks_to_converge
+    tick = tick_of(evidence)
     return rendered(
         "report.html",
         summary=summary,
@@ -100,7 +100,7 @@ def _page(
         phases=[phase.label for phase in evidence.program.phases],
         setting=setting(evidence),
         verdict=verdict(summary),
-        conditions=conditions(summary.converged.means),
+        conditions=conditions(summary.converged_means),
         notes=notes(evidence, summary),
         left_out=left_out(evidence),
         claims=claims_table(claims),
@@ -109,7 +109,7 @@ def _page(
         residual_figures=_inlined(drawings, "residuals"),
         residuals=residuals_table(summary),
         convergence=_inlined(drawings, "convergence"),
-        ticks=[WHOLE.written(value) for value in (within.median, within.p90)],
+        ticks=[WHOLE.written(value) for value in (summary.ticks_to_converge, summary.ticks_to_converge_p90)],
         outcomes=outcomes_table(summary),
         frames=_framed(evidence, frames),
         starts=starts_tables(summary),
@@ -144,7 +144,7 @@ def _framed(evidence: Evidence, frames: Frames) -> list[dict[str, str]]:
 
 def verdict(summary: Summary) -> str:
     """Whether it worked, in a sentence with an interval."""
-    finished, infeasible = summary.trials.finished, summary.count(Outcome.INFEASIBLE_START)
+    finished, infeasible = summary.finished, summary.count(Outcome.INFEASIBLE_START)
     if not finished:
         return "No trial has finished, so nothing is known."
     if infeasible == finished:
@@ -159,13 +159,13 @@ def verdict(summary: Summary) -> str:
 
 def notes(evidence: Evidence, summary: Summary) -> list[str]:
     """What a reader must know to take the verdict for what it is."""
-    asked, finished = summary.trials.asked, summary.trials.finished
+    asked, finished = summary.asked, summary.finished
     infeasible = summary.count(Outcome.INFEASIBLE_START)
     good = summary.count(Outcome.CONVERGED)
     said = []
     if finished < asked:
         said.append(f"Only {finished} of {counted(asked, 'trial', 'trials')} are finished.")
-    if repeated := repetition(summary.trials):
+    if repeated := repetition(summary):
         said.append(repeated)
     if 0 < infeasible < finished:
         able = finished - infeasible

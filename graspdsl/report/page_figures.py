@@ -45,9 +45,9 @@ def tick_of(evidence: Evidence) -> str:
 
 def drawn_funnel(evidence: Evidence, summary: Summary) -> Drawing | None:
     """Where grasps started and ended; None where no grasp had an orientation."""
-    before = _angles(summary.orientation.start)
-    touched = np.array([bool(touching) for touching in summary.in_contact.end], dtype=bool)
-    after = np.where(touched, _angles(summary.orientation.end), math.nan)
+    before = _angles(summary.orientation_start)
+    touched = np.array([bool(touching) for touching in summary.in_contact_end], dtype=bool)
+    after = np.where(touched, _angles(summary.orientation_end), math.nan)
     if not (np.isfinite(before).any() or np.isfinite(after).any()):
         return None
     ranks = {number: rank for rank, mode in enumerate(summary.modes) for number in mode.trials}

@@ -117,7 +117,7 @@ def brief_modes_table(summary: Summary) -> Table:
         Column("‖ρ_m‖", MILLIMETRES),
     )
     rows = tuple((*_shares(mode), mode.force_residual, mode.moment_residual) for mode in summary.modes)
-    base = summary.modes[0].of if summary.modes else summary.in_contact.end.count(True)
+    base = summary.modes[0].of if summary.modes else summary.in_contact_end.count(True)
     note = f"of {counted(base, 'trial', 'trials')} whose contacts all touched at the end"
     return Table("Where grasps ended: modes of orientation, with medians", columns, rows, note)
 
@@ -128,14 +128,13 @@ def _shares(mode: ModeSummary) -> tuple[object, ...]:
 
 def residuals_table(summary: Summary) -> Table:
     """Residuals and squared errors before and after, medians over trials."""
-    force, moment = summary.residuals.force, summary.residuals.moment
     rows = tuple(
         (label, *(Value(end, form) for end in (found.start, found.end, found.end_in_contact)))
         for label, found, form in (
-            ("force residual ‖ρ_f‖", force, RESIDUAL),
-            ("ε_f = ‖ρ_f‖²", force.squared, SQUARED),
-            ("moment residual ‖ρ_m‖ (mm)", moment, MILLIMETRES),
-            ("ε_m = ‖ρ_m‖² (mm²)", moment.squared, SQUARED_MILLIMETRES),
+            ("force residual ‖ρ_f‖", summary.force, RESIDUAL),
+            ("ε_f = ‖ρ_f‖²", summary.force_squared, SQUARED),
+            ("moment residual ‖ρ_m‖ (mm)", summary.moment, MILLIMETRES),
+            ("ε_m = ‖ρ_m‖² (mm²)", summary.moment_squared, SQUARED_MILLIMETRES),
         )
     )
     names = ("start", "end", "end, all contacts touching")
@@ -145,30 +144,30 @@ def residuals_table(summary: Summary) -> Table:
 
 def measured_table(summary: Summary) -> Table:
     """What was measured, start and end."""
-    force, moment, orientation = summary.residuals.force, summary.residuals.moment, summary.orientation
-    pressed, shift, ticks = summary.contact_force, summary.object_shift, summary.ticks_to_converge
-    span = None if pressed.least is None or pressed.largest is None else (pressed.least, pressed.largest)
+    force, moment = summary.force, summary.moment
+    start, end = _range(summary.orientation_start), _range(summary.orientation_end)
+    pressed = _range([summary.least_contact_force, summary.largest_contact_force])
     rows: list[tuple[str, object, object, Format]] = [
         ("force residual ‖ρ_f‖", force.start, force.end, RESIDUAL),
         ("moment residual ‖ρ_m‖", moment.start, moment.end, MILLIMETRES),
-        ("orientation, range", _range(orientation.start), _range(orientation.end), _span("rad")),
-        ("contact force, range *", "", span, _span("N")),
-        ("object moved", "", shift.median, MILLIMETRES),
-        ("  at most", "", shift.largest, MILLIMETRES),
-        ("ticks or probes to converge *", "", ticks.median, WHOLE),
-        ("  9 in 10 within", "", ticks.p90, WHOLE),
-        ("tactile samples *", "", summary.samples.median, WHOLE),
-        ("probes, all trials", "", summary.probes.total or "", WHOLE),
-        ("time of a trial *", "", summary.trial_s.median, SECONDS),
-        ("largest leak of a lower priority", "", summary.priorities.largest_leak, LEAK),
+        ("orientation, range", start, end, _span("rad")),
+        ("contact force, range *", "", pressed, _span("N")),
+        ("object moved", "", summary.object_shift, MILLIMETRES),
+        ("  at most", "", summary.largest_object_shift, MILLIMETRES),
+        ("ticks or probes to converge *", "", summary.ticks_to_converge, WHOLE),
+        ("  9 in 10 within", "", summary.ticks_to_converge_p90, WHOLE),
+        ("tactile samples *", "", summary.samples, WHOLE),
+        ("probes, all trials", "", summary.probes or "", WHOLE),
+        ("time of a trial *", "", summary.trial_s, SECONDS),
+        ("largest leak of a lower priority", "", summary.largest_leak, LEAK),
     ]
     return Table(
         "What was measured: medians over trials",
         (Column(""), Column("start", TEXT), Column("end", TEXT)),
         tuple(
-            (label, *("" if value == "" else Value(value, form) for value in (start, end)))
-            for label, start, end, form in rows
-            if end != ""
+            (label, *("" if value == "" else Value(value, form) for value in (before, after)))
+            for label, before, after, form in rows
+            if after != ""
         ),
         "* of converged trials",
     )
@@ -226,10 +225,9 @@ def kept_table(summary: Summary) -> Table:
 
 def sensing_table(summary: Summary) -> Table:
     """The errors of sensed contact points and normals."""
-    found = summary.sensing
     ends = (
-        ("contact point (mm)", MILLIMETRES_FINELY, found.point_error_p50, found.point_error_p95),
-        ("contact normal (°)", DEGREES, found.normal_error_p50, found.normal_error_p95),
+        ("contact point (mm)", MILLIMETRES_FINELY, summary.point_error_p50, summary.point_error_p95),
+        ("contact normal (°)", DEGREES, summary.normal_error_p50, summary.normal_error_p95),
     )
     rows = tuple((label, *(Value(error, form) for error in errors)) for label, form, *errors in ends)
     columns = (Column("error of the sensed"), Column("50th percentile", TEXT), Column("95th percentile", TEXT))
@@ -315,7 +313,7 @@ def brief_quality_table(quality: Quality) -> Table:
             for quantity in one.grade.quantities
             if (found := one.medians[quantity.key])
         ]
-        notes += [f"{one.grade.label}, medians: {', '.join(medians)}"] if medians else []
+        notes += [f"{one.grade.column or one.grade.label}, medians: {', '.join(medians)}"] if medians else []
     columns = (Column(""), *(Column(one.grade.column, TEXT) for one in grades))
     return Table("How good the grasps are, by outcome", columns, tuple(rows), "; ".join(notes))
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from operator import attrgetter
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import numpy as np
 from pydantic import BaseModel
@@ -36,67 +36,18 @@ Seconds = Annotated[float | None, "s"]
 Count = Annotated[float | None, "ticks or probes, or samples"]
 
 
-@dataclass(frozen=True, slots=True)
-class TrialCounts:
-    """How many trials were asked for and finished, and how many of these can differ: the others repeat them."""
-
-    asked: int
-    finished: int
-    different: int
+class At(str):
+    """Where a number stands in JSON, if not under its own name: keys with dots between."""
 
 
 @dataclass(frozen=True, slots=True)
-class Converged:
-    """The share of finished trials that converged, with its Wilson interval of 95 %, and what that means."""
-
-    share: Ratio
-    interval: Interval
-    means: Until
-
-
-@dataclass(frozen=True, slots=True)
-class InContact:
-    """By trial: whether the hand felt all contacts at any time, and whether all truly touched at the last tick, None
-    where the trajectory is lost."""
-
-    start: tuple[bool, ...]
-    end: tuple[bool | None, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Squared:
-    """Medians of ε = ρᵀρ [1 or m²]."""
-
-    start: Annotated[float | None, "1 or m²"]
-    end: Annotated[float | None, "1 or m²"]
-    end_in_contact: Annotated[float | None, "1 or m²"]
-
-
-@dataclass(frozen=True, slots=True)
-class Residual:
-    """Medians of ‖ρ_f‖ (1) or ‖ρ_m‖ [m] by the simulator's truth: ``start`` and ``end`` over all trials,
+class Medians:
+    """Medians of a residual or of its square by the simulator's truth: ``start`` and ``end`` over all trials,
     ``end_in_contact`` over those whose contacts all touched at the end."""
 
-    start: Annotated[float | None, "1 or m"]
-    end: Annotated[float | None, "1 or m"]
-    end_in_contact: Annotated[float | None, "1 or m"]
-    squared: Squared
-
-
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """Those of force (1) and moment [m]."""
-
-    force: Residual
-    moment: Residual
-
-
-@dataclass(frozen=True, slots=True)
-class Orientations:
-    """Orientations of the grasp [rad] by trial."""
-
-    start: tuple[Radians, ...]
-    end: tuple[Radians, ...]
+    start: Annotated[float | None, "the residual's"]
+    end: Annotated[float | None, "the residual's"]
+    end_in_contact: Annotated[float | None, "the residual's"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,95 +69,56 @@ class ModeSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Ticks:
-    """Ticks or probes to converge."""
-
-    median: Count
-    p90: Count
-
-
-@dataclass(frozen=True, slots=True)
-class ContactForce:
-    """Over the contacts of converged trials."""
-
-    median: Newtons
-    least: Newtons
-    largest: Newtons
-
-
-@dataclass(frozen=True, slots=True)
-class ObjectShift:
-    """How far the object was moved."""
-
-    median: Metres
-    largest: Metres
-
-
-@dataclass(frozen=True, slots=True)
-class Sensing:
-    """Errors of sensed contact points and normals, percentiles over a trial's readings; ``tare_s``: the time to tare
-    sensors. Medians over trials."""
-
-    point_error_p50: Metres
-    point_error_p95: Metres
-    normal_error_p50: Radians
-    normal_error_p95: Radians
-    tare_s: Seconds
-
-
-@dataclass(frozen=True, slots=True)
-class MedianSamples:
-    """Tactile samples of a converged trial."""
-
-    median: Count
-
-
-@dataclass(frozen=True, slots=True)
-class MedianTime:
-    """Simulated time of a converged trial."""
-
-    median: Seconds
-
-
-@dataclass(frozen=True, slots=True)
-class Probes:
-    """Probes of all trials together; 0 where contacts slide."""
-
-    total: int
-
-
-@dataclass(frozen=True, slots=True)
-class Priorities:
-    """How far lower priorities leaked into higher ones, and how many levels lie above another."""
-
-    largest_leak: Ratio
-    leaking_ticks: int = field(metadata={"key": "ticks_above_1e-6"})
-    levels: int
-
-
-@dataclass(frozen=True, slots=True)
 class Summary:
-    """Everything a report says of a run. ``command`` runs the same trials again."""
+    """Everything a report says of a run.
+
+    Of ``finished`` trials so many ``different`` ones can differ from one another, the others repeat them; shares carry
+    Wilson intervals of 95 %, which take all as independent. By trial, in the order of the records: whether the hand
+    felt all contacts at any time (``in_contact_start``) and whether all truly touched at the last tick (``_end``, None
+    where the trajectory is lost), and orientations. Residuals are medians of ‖ρ_f‖ (1) and ‖ρ_m‖ [m], squared of
+    ε = ρᵀρ; modes are of trials whose contacts all touched at the end. Contact forces, samples and time are of
+    converged trials, sensing errors percentiles over a trial's readings and then medians over trials. ``command`` runs
+    the same trials again.
+    """
 
     name: str
     run: str
     seed: int
-    trials: TrialCounts
+    asked: Annotated[int, At("trials.asked")]
+    finished: Annotated[int, At("trials.finished")]
+    different: Annotated[int, At("trials.different")]
     outcomes: Mapping[str, int]
-    converged: Converged
+    converged: Annotated[Ratio, At("converged.share")]
+    converged_interval: Annotated[Interval, At("converged.interval")]
+    converged_means: Annotated[Until, At("converged.means")]
     outcome_table: tuple[OutcomeCount, ...]
-    in_contact: InContact
-    residuals: Residuals
-    orientation: Orientations
+    in_contact_start: Annotated[tuple[bool, ...], At("in_contact.start")]
+    in_contact_end: Annotated[tuple[bool | None, ...], At("in_contact.end")]
+    force: Annotated[Medians, At("residuals.force")]
+    force_squared: Annotated[Medians, At("residuals.force.squared")]
+    moment: Annotated[Medians, At("residuals.moment")]
+    moment_squared: Annotated[Medians, At("residuals.moment.squared")]
+    orientation_start: Annotated[tuple[Radians, ...], At("orientation.start")]
+    orientation_end: Annotated[tuple[Radians, ...], At("orientation.end")]
     modes: tuple[ModeSummary, ...]
-    ticks_to_converge: Ticks
-    contact_force: ContactForce
-    object_shift: ObjectShift
-    sensing: Sensing
-    samples: MedianSamples
-    probes: Probes
-    trial_s: MedianTime
-    priorities: Priorities
+    ticks_to_converge: Annotated[Count, At("ticks_to_converge.median")]
+    ticks_to_converge_p90: Annotated[Count, At("ticks_to_converge.p90")]
+    contact_force: Annotated[Newtons, At("contact_force.median")]
+    least_contact_force: Annotated[Newtons, At("contact_force.least")]
+    largest_contact_force: Annotated[Newtons, At("contact_force.largest")]
+    object_shift: Annotated[Metres, At("object_shift.median")]
+    largest_object_shift: Annotated[Metres, At("object_shift.largest")]
+    point_error_p50: Annotated[Metres, At("sensing.point_error_p50")]
+    point_error_p95: Annotated[Metres, At("sensing.point_error_p95")]
+    normal_error_p50: Annotated[Radians, At("sensing.normal_error_p50")]
+    normal_error_p95: Annotated[Radians, At("sensing.normal_error_p95")]
+    tare_s: Annotated[Seconds, At("sensing.tare_s")]
+    samples: Annotated[Count, At("samples.median")]
+    probes: Annotated[int, At("probes.total")]
+    trial_s: Annotated[Seconds, At("trial_s.median")]
+    largest_leak: Annotated[Ratio, At("priorities.largest_leak")]
+    leaking_ticks: Annotated[int, At("priorities.ticks_above_1e-6")]
+    levels: Annotated[int, At("priorities.levels")]
     quality: Quality
     starts: Starts
     wall_s: Seconds
@@ -214,6 +126,17 @@ class Summary:
     records: tuple[TrialRecord, ...]
     versions: Mapping[str, str]
     command: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Its fields, each where it stands in JSON."""
+        whole: dict[str, Any] = {}
+        for name, kind in get_type_hints(Summary, include_extras=True).items():
+            *within, key = next((note for note in get_args(kind) if isinstance(note, At)), name).split(".")
+            part = whole
+            for step in within:
+                part = part.setdefault(step, {})
+            part[key] = plain(getattr(self, name))
+        return whole
 
     def count(self, outcome: Outcome) -> int:
         """How many trials ended so."""
@@ -232,41 +155,41 @@ def summarised(evidence: Evidence) -> Summary:
         name=manifest.name,
         run=str(folder.path),
         seed=manifest.seed,
-        trials=TrialCounts(manifest.asked, len(records), int(min(len(records), spec.different_trials))),
+        asked=manifest.asked,
+        finished=len(records),
+        different=int(min(len(records), spec.different_trials)),
         outcomes=dict(Counter(record.outcome.value for record in records).most_common()),
-        converged=Converged(
-            len(good) / len(records) if records else None, wilson(len(good), len(records)), spec.program[-1].until
-        ),
+        converged=len(good) / len(records) if records else None,
+        converged_interval=wilson(len(good), len(records)),
+        converged_means=spec.program[-1].until,
         outcome_table=tuple(outcome_table(records)),
-        in_contact=InContact(
-            tuple(record.samples > 0 for record in records), tuple(evidence.touching(record) for record in records)
-        ),
-        residuals=Residuals(_residual(records, in_contact, "force"), _residual(records, in_contact, "moment")),
-        orientation=Orientations(
-            tuple(_known(record.orientation_start) for record in records),
-            tuple(_known(record.orientation_end) for record in records),
-        ),
+        in_contact_start=tuple(record.samples > 0 for record in records),
+        in_contact_end=tuple(evidence.touching(record) for record in records),
+        force=_medians(records, in_contact, "force"),
+        force_squared=_medians(records, in_contact, "force", _square),
+        moment=_medians(records, in_contact, "moment"),
+        moment_squared=_medians(records, in_contact, "moment", _square),
+        orientation_start=tuple(_known(record.orientation_start) for record in records),
+        orientation_end=tuple(_known(record.orientation_end) for record in records),
         modes=tuple(_modes(in_contact)),
-        ticks_to_converge=Ticks(_percentile(to_converge, 50), _percentile(to_converge, 90)),
-        contact_force=ContactForce(median(forces), min(_finite(forces), default=None), _largest(forces)),
-        object_shift=ObjectShift(
-            median(record.object_shift for record in records), _largest(record.object_shift for record in records)
-        ),
-        sensing=Sensing(
-            point_error_p50=median(record.point_error[0] for record in records),
-            point_error_p95=median(record.point_error[1] for record in records),
-            normal_error_p50=median(record.normal_error[0] for record in records),
-            normal_error_p95=median(record.normal_error[1] for record in records),
-            tare_s=median(record.tare_s for record in records),
-        ),
-        samples=MedianSamples(median(float(record.samples) for record in good)),
-        probes=Probes(sum(record.ticks for record in records) if evidence.program.probes else 0),
-        trial_s=MedianTime(median(record.world_s for record in good)),
-        priorities=Priorities(
-            _largest(record.largest_leak for record in records),
-            sum(record.leaking_ticks for record in records),
-            max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
-        ),
+        ticks_to_converge=_percentile(to_converge, 50),
+        ticks_to_converge_p90=_percentile(to_converge, 90),
+        contact_force=median(forces),
+        least_contact_force=min(_finite(forces), default=None),
+        largest_contact_force=_largest(forces),
+        object_shift=median(record.object_shift for record in records),
+        largest_object_shift=_largest(record.object_shift for record in records),
+        point_error_p50=median(record.point_error[0] for record in records),
+        point_error_p95=median(record.point_error[1] for record in records),
+        normal_error_p50=median(record.normal_error[0] for record in records),
+        normal_error_p95=median(record.normal_error[1] for record in records),
+        tare_s=median(record.tare_s for record in records),
+        samples=median(float(record.samples) for record in good),
+        probes=sum(record.ticks for record in records) if evidence.program.probes else 0,
+        trial_s=median(record.world_s for record in good),
+        largest_leak=_largest(record.largest_leak for record in records),
+        leaking_ticks=sum(record.leaking_ticks for record in records),
+        levels=max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
         quality=quality(records),
         starts=starts_of(spec.trials, records),
         wall_s=manifest.wall_s,
@@ -286,19 +209,17 @@ def repeating(folder: RunFolder) -> str:
     return shlex.join(words)
 
 
-def _residual(
-    records: Sequence[TrialRecord], in_contact: Sequence[TrialRecord], kind: Literal["force", "moment"]
-) -> Residual:
+def _medians(
+    records: Sequence[TrialRecord],
+    in_contact: Sequence[TrialRecord],
+    kind: Literal["force", "moment"],
+    of: Callable[[float], float] = float,
+) -> Medians:
     start, end = attrgetter(f"{kind}_residual_start"), attrgetter(f"{kind}_residual_end")
-    return Residual(
-        start=median(map(start, records)),
-        end=median(map(end, records)),
-        end_in_contact=median(map(end, in_contact)),
-        squared=Squared(
-            start=median(_square(start(record)) for record in records),
-            end=median(_square(end(record)) for record in records),
-            end_in_contact=median(_square(end(record)) for record in in_contact),
-        ),
+    return Medians(
+        median(of(start(record)) for record in records),
+        median(of(end(record)) for record in records),
+        median(of(end(record)) for record in in_contact),
     )
 
 
@@ -347,7 +268,7 @@ def plain(value: Any) -> Any:
     if hasattr(value, "as_data"):
         return plain(value.as_data())
     if is_dataclass(value):
-        return {one.metadata.get("key", one.name): plain(getattr(value, one.name)) for one in fields(value)}
+        return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json")
     if isinstance(value, Mapping):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from graspdsl.report.start_selection import Starts
-    from graspdsl.report.summary import TrialCounts
+    from graspdsl.report.summary import Summary
     from graspdsl.spec.program import Until
 
 NOTHING = "–"
@@ -47,9 +47,9 @@ def feasible(starts: Starts) -> str:
     return f"of feasible starts only: {draws - kept} of {counted(draws, 'draw', 'draws')} could not be taken up"
 
 
-def repetition(trials: TrialCounts) -> str | None:
+def repetition(summary: Summary) -> str | None:
     """What trials that repeat others mean for the intervals; None where all may differ."""
-    finished, different = trials.finished, trials.different
+    finished, different = summary.finished, summary.different
     if different == finished:
         return None
     if different == 1:

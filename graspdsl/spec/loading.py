@@ -69,5 +69,5 @@ def json_schema(grades: Iterable[str] = ()) -> dict[str, Any]:
     """The JSON Schema of a spec, for editors; ``grades``: what ``evaluate`` may hold, any text where none are given."""
     schema = Spec.model_json_schema(by_alias=True)
     if known := list(grades):
-        schema["properties"]["evaluate"]["items"]["enum"] = known
+        schema["properties"]["evaluate"]["items"] = {"enum": known, "type": "string"}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}

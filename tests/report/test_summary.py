@@ -144,7 +144,7 @@ def test_trials_that_repeat_others_are_told_beside_the_share(
     folder = build(*(_record(number) for number in range(4)), overrides=(f"trials.start={start}",))
     evidence = gathered(folder)
     summary = summarised(evidence)
-    assert summary.trials.different == different
+    assert summary.different == different
     for text in (" ".join(summary_text(summary).split()), " ".join(notes(evidence, summary))):
         assert said in text if said else "differ" not in text
 
