@@ -14,12 +14,12 @@ from matplotlib.patches import Patch
 
 from graspdsl.arrays import Array
 from graspdsl.report.attraction import AttractionMap, CellClass
+from graspdsl.report.drawing import MEDIUM, SMALL
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.statistics import wilson
 from graspdsl.trials.cells import Axis, Cells
 from graspdsl.trials.outcomes import Outcome
 
-SMALL, MEDIUM = 8.0, 8.8  # pt
 WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
 LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture

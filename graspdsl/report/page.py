@@ -9,14 +9,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
-from markupsafe import Markup, escape
-
 from graspdsl.report.claims import Claim
-from graspdsl.report.drawing import inline_svg, png_of
+from graspdsl.report.drawing import Drawing
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.outcomes import MEANINGS, representatives
-from graspdsl.report.page_figures import (
-    Drawing,
+from graspdsl.report.figures import (
     drawn_convergence,
     drawn_funnel,
     drawn_map,
@@ -24,6 +20,7 @@ from graspdsl.report.page_figures import (
     drawn_starts,
     tick_of,
 )
+from graspdsl.report.outcomes import MEANINGS, representatives
 from graspdsl.report.run_tables import (
     WHOLE,
     claims_table,
@@ -37,7 +34,7 @@ from graspdsl.report.run_tables import (
 )
 from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import Summary
-from graspdsl.report.templating import DrawnFigure, rendered
+from graspdsl.report.templating import rendered
 from graspdsl.report.wording import conditions, counted, feasible, percent, percents, repetition
 from graspdsl.report.writing import replace
 from graspdsl.trials.outcomes import Outcome
@@ -68,8 +65,7 @@ def write_report(
     drawings = _drawings(evidence, summary)
     files: dict[str, str | bytes] = {}
     for drawing in drawings:
-        files[f"{FIGURES}/{drawing.name}.svg"] = drawing.svg
-        files[f"{FIGURES}/{drawing.name}.png"] = png_of(drawing.figure)
+        files |= drawing.files(f"{FIGURES}/")
     files[PAGE] = _page(evidence, summary, drawings, frames, claims)
     folder = evidence.folder.path
     replace(folder, files, outdated=(f"{FIGURES}/*.svg", f"{FIGURES}/*.png"))
@@ -104,17 +100,17 @@ def _page(
         notes=notes(evidence, summary),
         left_out=left_out(evidence),
         claims=claims_table(claims),
-        funnel=_inlined(drawings, "funnel"),
+        funnel=_of_kind(drawings, "funnel"),
         modes=modes_table(summary),
-        residual_figures=_inlined(drawings, "residuals"),
+        residual_figures=_of_kind(drawings, "residuals"),
         residuals=residuals_table(summary),
-        convergence=_inlined(drawings, "convergence"),
+        convergence=_of_kind(drawings, "convergence"),
         ticks=[WHOLE.written(value) for value in (summary.ticks_to_converge, summary.ticks_to_converge_p90)],
         outcomes=outcomes_table(summary),
         frames=_framed(evidence, frames),
         starts=starts_tables(summary),
-        start_figures=_inlined(drawings, "starts"),
-        map=_inlined(drawings, "map"),
+        start_figures=_of_kind(drawings, "starts"),
+        map=_of_kind(drawings, "map"),
         quality=quality_tables(summary.quality),
         sensing=sensing_table(summary),
         tick=tick,
@@ -122,12 +118,8 @@ def _page(
     )
 
 
-def _inlined(drawings: Sequence[Drawing], kind: str) -> list[DrawnFigure]:
-    return [
-        DrawnFigure(Markup(inline_svg(drawing.svg, drawing.name, str(escape(drawing.caption)))), drawing.caption)
-        for drawing in drawings
-        if drawing.name.startswith(kind)
-    ]
+def _of_kind(drawings: Sequence[Drawing], kind: str) -> list[Drawing]:
+    return [drawing for drawing in drawings if drawing.name.startswith(kind)]
 
 
 def _framed(evidence: Evidence, frames: Frames) -> list[dict[str, str]]:

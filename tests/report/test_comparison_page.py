@@ -11,8 +11,14 @@ from stored_runs import stored_run
 
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
-from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
-from graspdsl.report.comparison_page import FIGURES, write_comparison
+from graspdsl.report.comparison_page import (
+    FIGURES,
+    Side,
+    convergence_figure,
+    orientation_figure,
+    residual_figure,
+    write_comparison,
+)
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.summary import summarised
 from report.reader import Reader

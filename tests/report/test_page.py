@@ -15,7 +15,7 @@ from scipy import stats
 from stored_runs import stored_run
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.report import page_figures
+from graspdsl.report import figures
 from graspdsl.report.claims import Claim
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import Evidence, gathered
@@ -185,7 +185,7 @@ def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: E
     text = read(page(evidence)).text
     assert "1 trial (a contact did not touch at the end)" in text
     assert "1 trial (nothing was recorded of the end, or its trajectory cannot be read)" in text
-    found = page_figures.drawn_funnel(evidence, summarised(evidence))
+    found = figures.drawn_funnel(evidence, summarised(evidence))
     assert found is not None
     assert "after it, 6 trials" in found.svg
 
