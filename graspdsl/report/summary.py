@@ -28,6 +28,7 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
 
 Ratio = Annotated[float | None, "1"]
+Shares = Annotated[Interval, "1"]
 Metres = Annotated[float | None, "m"]
 SquareMetres = Annotated[float | None, "m²"]
 Radians = Annotated[float | None, "rad"]
@@ -58,7 +59,7 @@ class ModeSummary:
     centre: Annotated[float, "rad"]
     share: Annotated[float, "1"]
     of: int
-    interval: Interval
+    interval: Shares
     force_residual: Ratio
     moment_residual: Metres
     force_squared: Ratio
@@ -89,7 +90,7 @@ class Summary:
     different: Annotated[int, At("trials.different")]
     outcomes: Mapping[str, int]
     converged: Annotated[Ratio, At("converged.share")]
-    converged_interval: Annotated[Interval, At("converged.interval")]
+    converged_interval: Annotated[Shares, At("converged.interval")]
     converged_means: Annotated[Until, At("converged.means")]
     outcome_table: tuple[OutcomeCount, ...]
     in_contact_start: Annotated[tuple[bool, ...], At("in_contact.start")]
