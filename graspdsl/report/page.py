@@ -45,15 +45,6 @@ Frames = Mapping[str, bytes]
 NO_FRAMES: Frames = MappingProxyType({})
 
 
-def page(evidence: Evidence, summary: Summary, *, frames: Frames = NO_FRAMES, claims: Sequence[Claim] = ()) -> str:
-    """The page of a run: one file that needs no other.
-
-    frames: a PNG picture of the end of one trial for each outcome, by the outcome's name, of the trials that
-    :func:`graspdsl.report.outcomes.representatives` names. claims: what the chapter says of it, and what was measured.
-    """
-    return _page(evidence, summary, _drawings(evidence, summary), frames, claims)
-
-
 def write_report(
     evidence: Evidence, summary: Summary, *, frames: Frames = NO_FRAMES, claims: Sequence[Claim] = ()
 ) -> Path:
@@ -62,17 +53,17 @@ def write_report(
     Each file takes the place of an earlier one only once it is whole; figures that the run no longer has are removed.
     Raises DiagnosticError where the folder cannot be written to.
     """
-    drawings = _drawings(evidence, summary)
-    files: dict[str, str | bytes] = {}
+    drawings = drawings_of(evidence, summary)
+    files: dict[str, str | bytes] = {PAGE: page(evidence, summary, drawings, frames=frames, claims=claims)}
     for drawing in drawings:
         files |= drawing.files(f"{FIGURES}/")
-    files[PAGE] = _page(evidence, summary, drawings, frames, claims)
     folder = evidence.folder.path
     replace(folder, files, outdated=(f"{FIGURES}/*.svg", f"{FIGURES}/*.png"))
     return folder / PAGE
 
 
-def _drawings(evidence: Evidence, summary: Summary) -> list[Drawing]:
+def drawings_of(evidence: Evidence, summary: Summary) -> list[Drawing]:
+    """The figures of a run's page."""
     found = [
         drawn_funnel(evidence, summary),
         *drawn_residuals(evidence, summary),
@@ -83,9 +74,19 @@ def _drawings(evidence: Evidence, summary: Summary) -> list[Drawing]:
     return [drawing for drawing in found if drawing is not None]
 
 
-def _page(
-    evidence: Evidence, summary: Summary, drawings: Sequence[Drawing], frames: Frames, claims: Sequence[Claim]
+def page(
+    evidence: Evidence,
+    summary: Summary,
+    drawings: Sequence[Drawing],
+    *,
+    frames: Frames = NO_FRAMES,
+    claims: Sequence[Claim] = (),
 ) -> str:
+    """The page of a run: one file that needs no other.
+
+    frames: a PNG picture of the end of one trial for each outcome, by the outcome's name, of the trials that
+    :func:`graspdsl.report.outcomes.representatives` names. claims: what the chapter says of it, and what was measured.
+    """
     tick = tick_of(evidence)
     return rendered(
         "report.html",

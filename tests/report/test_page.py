@@ -21,7 +21,7 @@ from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.page import FIGURES, PAGE
+from graspdsl.report.page import FIGURES, PAGE, drawings_of
 from graspdsl.report.page import page as page_of
 from graspdsl.report.page import write_report as write_report_of
 from graspdsl.report.quality import quality
@@ -51,7 +51,8 @@ def floating(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
 
 def page(evidence: Evidence, **shown: Any) -> str:
     """The page of a run."""
-    return page_of(evidence, summarised(evidence), **shown)
+    summary = summarised(evidence)
+    return page_of(evidence, summary, drawings_of(evidence, summary), **shown)
 
 
 def write_report(evidence: Evidence) -> Path:
