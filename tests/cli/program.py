@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from graspdsl.trials.interruption import SIGNALS
+
 ROOT = Path(__file__).parents[2]
 SPEC = ROOT / "specs" / "towel_roll_two_contacts.yaml"
 PROGRAM = Path(sys.executable).with_name("graspdsl")
@@ -30,8 +32,9 @@ def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -
 
 
 def heed_interrupts() -> None:
-    """In a child about to begin: a background job ignores SIGINT, and so would what it begins."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """In a child about to begin: a background job ignores SIGINT, nohup SIGHUP, and so would what they begin."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def begun(*words: str | Path, cwd: Path, first: Callable[[], object] = heed_interrupts) -> subprocess.Popen[str]:
