@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import typer
 from rich.console import RenderableType
@@ -27,8 +26,9 @@ from graspdsl.report.attraction import (
     repeating,
 )
 from graspdsl.report.run_tables import SHARES, reasons_table
+from graspdsl.report.statistics import wilson
 from graspdsl.report.tables import COUNT, Column, Table
-from graspdsl.report.wording import percent
+from graspdsl.report.wording import percent, percents
 from graspdsl.report.writing import prepare, replace
 from graspdsl.spec.named_files import COPIES
 from graspdsl.trials.cells import Cells
@@ -153,38 +153,30 @@ def _floating(program: Program, axes: list[WantedAxis], contact: str | None) -> 
 
 def show_map(made: AttractionMap, folder: Path, as_json: bool) -> None:
     """What the map in a folder says, on stdout."""
-    numbers = {**as_data(made), "run": str(folder)}
     if as_json:
-        result_json(numbers)
+        result_json({**as_data(made), "run": str(folder)})
     else:
-        result(_text(numbers))
+        result(_text(made, folder))
 
 
-def _text(numbers: dict[str, Any]) -> str:
-    head: list[RenderableType] = [Text(f"{numbers['name']}, seed {numbers['seed']}", style="bold")]
-    for name, axis in zip(("across", "up"), numbers["axes"], strict=True):
-        bounds = f"{axis['low']:g} to {axis['high']:g} {axis['unit']}, {axis['cells']} cells"
-        head.append(f"{name}: {axis['parameter']}, {bounds}")
-    head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in numbers['fixed'].items())}")
-    rows = tuple((entry["label"], entry["count"], entry["share"], entry["interval"]) for entry in numbers["classes"])
-    listed = Table("Where starts end", (Column("class"), Column("cells", COUNT), *SHARES[1:]), rows)
+def _text(made: AttractionMap, folder: Path) -> str:
+    head: list[RenderableType] = [Text(f"{made.name}, seed {made.seed}", style="bold")]
+    for name, axis in zip(("across", "up"), (made.cells.x, made.cells.y), strict=True):
+        head.append(f"{name}: {axis.parameter}, {axis.low:g} to {axis.high:g} {axis.unit}, {axis.cells} cells")
+    head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in made.cells.fixed.items())}")
+    rows = tuple((found.label, len(found.cells), found.share, found.interval) for found in made.classes)
+    tables = [Table("Where starts end", (Column("class"), Column("cells", COUNT), *SHARES[1:]), rows)]
     reasons = [
-        (entry["label"], said["detail"], said["count"], entry["count"])
-        for entry in numbers["classes"]
-        if (said := entry["mostly"]) is not None
+        (found.label, found.mostly.detail, len(found.mostly.trials), len(found.cells))
+        for found in made.classes
+        if found.mostly is not None
     ]
-    why: list[RenderableType] = (
-        ["", laid_out(reasons_table("Why starts did not converge, mostly", reasons))] if reasons else []
-    )
-    good, (low, high) = numbers["converged"], numbers["converged"]["interval"]
+    tables += [reasons_table("Why starts did not converge, mostly", reasons)] if reasons else []
     whole = "no start was feasible"
-    if numbers["feasible"]:
-        share = f"{percent(good['share'])} (95 % interval {percent(low)} to {percent(high)})"
-        whole = f"{good['count']} of {numbers['feasible']} feasible starts converged: {share}"
-    where = on_one_line(numbers["run"])
-    foot: list[RenderableType] = [
-        "",
-        whole,
-        Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
-    ]
-    return text_of([*head, "", laid_out(listed), *why, *foot], f"  {numbers['command']}")
+    if made.feasible:
+        good, of = made.converged, made.feasible
+        share = f"{percent(good / of)} (95 % interval {percents(wilson(good, of))})"
+        whole = f"{good} of {of} feasible starts converged: {share}"
+    files = f"The map is in {on_one_line(str(folder))} as {', '.join(FILES)}; to make it again:"
+    parts = [part for table in tables for part in ("", laid_out(table))]
+    return text_of([*head, *parts, "", whole, Text(files, overflow="fold")], f"  {made.command}")
