@@ -10,7 +10,7 @@ import numpy as np
 
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.program import Program
-from graspdsl.quality.metric import CRASHED, NO_CONTACTS
+from graspdsl.quality.grade import CRASHED, NO_CONTACTS
 from graspdsl.trials.evaluation import Evaluation
 from graspdsl.trials.identity import identity
 from graspdsl.trials.logbook import Logbook
