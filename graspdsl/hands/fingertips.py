@@ -8,8 +8,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.places.fields import Metres, Model, Number, Unit, exactly, fault
 
 Size = Annotated[Metres, Field(gt=0.0, le=1.0)]

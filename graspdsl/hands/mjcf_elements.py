@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.hands.mjcf_parts import Pose
 from graspdsl.places.xml_files import PlacedElement
 

@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from graspdsl.basis.rotations import exponential, roll_pitch_yaw
+from graspdsl.angles import roll_pitch_yaw
+from graspdsl.basis.rotations import exponential
 from graspdsl.hands.articulated_inertia import axis_of, pose_of
 from graspdsl.hands.kinematic_tree import TreeJoint
 from graspdsl.hands.urdf_check import UrdfCheck

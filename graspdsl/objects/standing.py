@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import cross
 from graspdsl.objects.shape import Shape
 
 STANDING = 5.0  # degrees by which an object that stands may tilt
@@ -53,7 +52,7 @@ def _rest(height: Callable[[Array], float], down: Array, size: float) -> Array:
 
 def _tipped(down: Array, angle: float) -> Array:
     """A direction (3,) turned by an angle [rad] in each of the WAYS (16, 3)."""
-    aside = cross(down, np.eye(3)[int(np.argmin(np.abs(down)))])
+    aside = np.cross(down, np.eye(3)[int(np.argmin(np.abs(down)))])
     aside /= np.linalg.norm(aside)
-    tangents = np.cos(WAYS) * aside + np.sin(WAYS) * cross(down, aside)
+    tangents = np.cos(WAYS) * aside + np.sin(WAYS) * np.cross(down, aside)
     return np.asarray(math.cos(angle) * down + math.sin(angle) * tangents)

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Compound, Placed, centred, rotation_of

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import exponential, logarithm, roll_pitch_yaw, turn_between, turned
+from graspdsl.basis.rotations import exponential, logarithm, turn_between, turned
 
 from .drawing import generator, unit_vectors
 

@@ -16,11 +16,11 @@ ROOT = Path(__file__).parents[2]
 # A package may import those of the rows above its own, and itself.
 ORDER = (
     {"diagnostics", "arrays", "units"},
-    {"places"},
+    {"places", "angles"},
     {"notation"},
-    {"basis"},
     {"objects"},  # below the spec, whose keys of an object are those of the table of shapes
     {"spec"},
+    {"basis"},
     {"hands"},
     {"worlds"},
     {"quality"},

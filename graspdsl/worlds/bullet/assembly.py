@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import roll_pitch_yaw
 from graspdsl.hands.descriptions import MOUNTING, Robot
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid

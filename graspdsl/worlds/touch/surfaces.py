@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
-from graspdsl.basis.rotations import turned_by_angles
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.worlds.touch.intrinsic import capsule_contact, ellipsoid_contact, sphere_contact
