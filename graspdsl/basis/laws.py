@@ -16,7 +16,6 @@ from graspdsl.basis.algebra import damped_pseudo_inverse, scaled_transpose
 from graspdsl.basis.effectors import Effector
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.spaces import GradientSpace
-from graspdsl.spec.program import Control
 
 POSTURE_STEP = 5e-4  # of scaled joint displacement a tick: about half a millimetre at a fingertip
 
@@ -25,14 +24,18 @@ class Bench(Protocol):
     """What a law works with: steps of a pipeline, told by their numbers, and what they are made for.
 
     ``rate`` [Hz] of the ticks; ``step``: the displacement [m] of a contact for a unit net force, once ``each`` tick or
-    probe; ``held``: whether the object is fixed to the hand.
+    probe; ``held``: whether the object is fixed to the hand; ``transposes``: whether transposes stand for inverses.
     """
 
-    control: Control
     rate: float
     step: float
     each: str
     held: bool
+    transposes: bool
+
+    def setting(self, key: str) -> float:
+        """A number of the spec's control settings, by its key there."""
+        ...
 
     def apply(self, label: str, about: str, function: Callable[..., Array], *inputs: int) -> int:
         """The step that applies a function to the values of earlier steps."""
@@ -102,8 +105,8 @@ class Descent(Law):
 
     def displacement(self, bench: Bench, slope: Slope) -> int:
         """Down the gradient, scaled."""
-        radius, step, space = bench.control.curvature_radius, bench.step, slope.effector.gradient_space
-        factor = getattr(bench.control, self.gain) if self.gain else 1.0
+        radius, step, space = bench.setting("curvature_radius"), bench.step, slope.effector.gradient_space
+        factor = bench.setting(self.gain) if self.gain else 1.0
         gain = 0.5 * step * factor / radius if self.of_moments else 0.5 * step * factor * radius
         turns = space is not GradientSpace.CARTESIAN
         gain, moved = (gain / radius**2, f"{step / radius:.3g} rad") if turns else (gain, f"{1000 * step:.3g} mm")
@@ -124,15 +127,14 @@ class InverseKinematics(Law):
 
     def displacement(self, bench: Bench, slope: Slope) -> int:
         """What takes the error back, gated by touch."""
-        control, name = bench.control, slope.symbol
-        if control.inverse == "pseudo-inverse":
-            invert = partial(damped_pseudo_inverse, control.damping)
-            inverse = bench.apply("J⁺", f"damped pseudo-inverse, λ = {control.damping:g}", invert, slope.task)
-        else:
+        name, damping, gain = slope.symbol, bench.setting("damping"), bench.setting("position_gain")
+        if bench.transposes:
             inverse = bench.apply("Jᵀ/σ²", "transpose, σ the largest singular value", scaled_transpose, slope.task)
+        else:
+            invert = partial(damped_pseudo_inverse, damping)
+            inverse = bench.apply("J⁺", f"damped pseudo-inverse, λ = {damping:g}", invert, slope.task)
         about = f"joint displacement, {slope.source}"
         moved = bench.apply(f"J⁺∇{name}", about, operations.times, inverse, slope.gradient)
-        gain = control.position_gain
         if gain != 1.0:
             moved = bench.apply(f"K_p Δ{name}", f"{gain:g} of it a tick", partial(np.multiply, gain), moved)
         if bench.held:
@@ -153,14 +155,14 @@ class Pressing(Law):
 
     def displacement(self, bench: Bench, slope: Slope) -> int:
         """Servo and approach."""
-        control, resources, name = bench.control, slope.contacts, slope.symbol
-        fastest, admittance = control.approach / bench.rate, getattr(control, self.gain)
+        resources, name, radius = slope.contacts, slope.symbol, bench.setting("curvature_radius")
+        fastest, admittance = bench.setting("approach") / bench.rate, bench.setting(self.gain)
         close = partial(operations.approach, bench.fingers(resources), fastest)
         closing = f"contacts that do not touch close with their own fingers, {fastest:.3g} m a tick"
         unit, most = "m/N", "m"
         if self.of_moments:
-            admittance, unit, most = admittance / control.curvature_radius**2, "1/(N·m)", "rad"
-            fastest /= control.curvature_radius
+            admittance, unit, most = admittance / radius**2, "1/(N·m)", "rad"
+            fastest /= radius
         check = partial(operations.row_touches, bench.mixing(resources))
         touching = bench.apply("touch(Γ)", "1 for each resource that touches", check, bench.read("touching"))
         rows = bench.apply(f"∇{name}(Γ)", "by resource", operations.by_contact, slope.gradient)
@@ -181,7 +183,7 @@ class ShareOfError(Law):
 
     def displacement(self, bench: Bench, slope: Slope) -> int:
         """Part of the way, and no more than POSTURE_STEP a tick."""
-        name, gain = slope.symbol, bench.control.posture_gain
+        name, gain = slope.symbol, bench.setting("posture_gain")
         inverse = bench.apply("τ⁺", "pseudo-inverse", np.linalg.pinv, slope.task)
         moved = bench.apply(f"τ⁺∇{name}", "joint displacement, Eq. 4.25", operations.times, inverse, slope.gradient)
         part = bench.apply(f"k Δ{name}", f"{gain:g} of it a tick", partial(np.multiply, gain), moved)

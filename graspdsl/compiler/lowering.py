@@ -76,7 +76,12 @@ class _Bench(PipelineBuilder):
         super().__init__()
         self.grasp, self.target, self.control = grasp, target, target.control
         self.rate, self.each, self.held = target.rate, target.each, target.held
+        self.transposes = self.control.inverse == "transpose"
         self.step = target.step(float(grasp.weights @ grasp.weights))
+
+    def setting(self, key: str) -> float:
+        number: float = getattr(self.control, key)
+        return number
 
     def mixing(self, resources: ContactSet) -> Array:
         """The rows (m, k) of per-contact tasks: one a member of a virtual contact, or one a resource (their mean)."""
