@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.contact_models import HardPoint
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
-
-if TYPE_CHECKING:
-    from graspdsl.hands.descriptions import Robot
-    from graspdsl.quality.lift_and_shake import Handled
-    from graspdsl.worlds.protocol import PalmWorld
+from graspdsl.worlds.protocol import PalmWorld
 
 NO_CONTACTS = "no contacts"
 CRASHED = "the simulation failed"
 REFERENCE = "the object's centre of mass"
 
+Made = TypeVar("Made")
 Found = Mapping[str, Any]  # what a grade says of one grasp, as plain data: it stands in the record of a trial
 
 
@@ -66,6 +64,7 @@ class Grasp:
     contacts: Sequence[int] = ()
     world: PalmWorld | None = None
     missing: str = ""
+    _made: dict[Callable[[Grasp], Any], Any] = field(default_factory=dict, repr=False)
 
     @cached_property
     def wrenches(self) -> WrenchSpace:
@@ -76,12 +75,12 @@ class Grasp:
         """
         return wrench_space(self.points, self.normals, HardPoint(self.friction), reference=self.centre_of_mass)
 
-    @cached_property
-    def handled(self) -> Handled:
-        """The one test in which the object is squeezed, lifted and shaken."""
-        from graspdsl.quality.lift_and_shake import Handled
-
-        return Handled(self)
+    def once(self, make: Callable[[Grasp], Made]) -> Made:
+        """What several grades share of a grasp, made for the first that asks."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        found: Made = self._made[make]
+        return found
 
 
 class Grade(ABC):

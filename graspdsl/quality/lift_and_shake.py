@@ -203,7 +203,7 @@ class LiftGrade(Grade):
 
     def of(self, grasp: Grasp) -> Found:
         """Kept or not, and if not why, with what was measured."""
-        return dataclasses.asdict(Held(False, grasp.missing) if grasp.missing else self.part(grasp.handled))
+        return dataclasses.asdict(Held(False, grasp.missing) if grasp.missing else self.part(grasp.once(Handled)))
 
     def part(self, handled: Handled) -> Held:
         """The part of the test that is judged."""

@@ -10,8 +10,9 @@ import numpy as np
 from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.grade import CRASHED, NO_CONTACTS, Found, Grasp
 from graspdsl.quality.grades import graded
-from graspdsl.trials.stage import WitnessedWorld
-from graspdsl.worlds.protocol import PalmWorld
+from graspdsl.worlds.protocol import PalmWorld, Witness
+
+Quality = Mapping[str, Found]
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,7 @@ class Evaluation:
     friction: float
     robot: Robot
 
-    def of(self, world: WitnessedWorld, contacts: Sequence[int]) -> Mapping[str, Found]:
+    def of(self, world: Witness, contacts: Sequence[int]) -> Quality:
         """The grades of the grasp that a world is in, by its truth, of those of the contacts that touch.
 
         To lift and shake the object changes the world.
@@ -46,6 +47,6 @@ class Evaluation:
         )
         return graded(grasp, self.grades)
 
-    def of_nothing(self, reason: str) -> Mapping[str, Found]:
+    def of_nothing(self, reason: str) -> Quality:
         """The grades of a trial without a grasp to grade: none is closed, measured or held, for this reason."""
         return graded(Grasp(self.robot, self.friction, missing=reason), self.grades)
