@@ -306,6 +306,7 @@ class Kind(enum.StrEnum):
     SENSING = "sensing"
     OBJECTS = "objects"
     WORLDS = "worlds"
+    GRADES = "grades"
 
 
 @app.command(name="list")
@@ -331,8 +332,9 @@ def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
     with answering():
         from graspdsl.hands.descriptions import mounts
+        from graspdsl.quality.grades import GRADES
         from graspdsl.spec.loading import json_schema
         from graspdsl.worlds.kinds import WORLDS
 
         worlds = {name: world.about for name, world in WORLDS.items()}
-        result_json(json_schema(worlds, {name: mount.about for name, mount in mounts().items()}))
+        result_json(json_schema(worlds, {name: mount.about for name, mount in mounts().items()}, GRADES))

@@ -12,15 +12,16 @@ from rich.text import Text
 from graspdsl.cli.inputs import InputError, reading, sound
 from graspdsl.cli.messages import result, result_json, say
 from graspdsl.cli.running import RUNS, carried_on, keeping, opened, page_of
-from graspdsl.cli.tables import row, table, text_of
+from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
 from graspdsl.places.document import parse_document
-from graspdsl.report.claim_words import MARKS
-from graspdsl.report.conformance import EXPERIMENTS, Claim, claims_of
+from graspdsl.report.claims import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.experiment_setups import departure
-from graspdsl.report.experiments_page import as_data, verdict, write_experiments
+from graspdsl.report.experiments_page import verdict, write_experiments
+from graspdsl.report.summary import plain, summarised
+from graspdsl.report.tables import Column, Table
 from graspdsl.trials.runner import new_run, pending, program_of_run
 from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, locked, made
 
@@ -99,13 +100,14 @@ def _run_all(chosen: Sequence[Experiment], whole: Path, asked: Asked) -> int:
             return code
         with reading(str(folder.path)):
             evidence = gathered(folder)
-            found = claims_of(evidence)
-            page = page_of(evidence)
+            summary = summarised(evidence)
+            found = claims_of(evidence, summary)
+            page = page_of(evidence, summary, found)
         claims += found
         reports[experiment.name] = page.relative_to(whole).as_posix()
     page = write_experiments(whole, claims, reports)
     if asked.as_json:
-        result_json({"run": str(whole), "claims": as_data(claims)})
+        result_json({"run": str(whole), "claims": plain(claims)})
     else:
         result(_text(claims))
     say(f"report: {on_one_line(str(page))}")
@@ -194,12 +196,14 @@ def _begun(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> R
 
 
 def _text(claims: Sequence[Claim]) -> str:
-    listed = table("The chapter's claims", "claim", "agrees if", "measured", "verdict", words=True)
+    rows: list[tuple[str, ...]] = []
     before = ""
     for claim in claims:
         if claim.experiment != before:
-            row(listed, f"{claim.experiment}", "", "", "")
+            rows.append((claim.experiment, "", "", ""))
             before = claim.experiment
-        row(listed, f"  {claim.says}", claim.bound, claim.measured, MARKS[claim.verdict])
+        rows.append((f"  {claim.says}", claim.bound, claim.measured, claim.verdict.mark))
+    columns = tuple(map(Column, ("claim", "agrees if", "measured", "verdict")))
     doubts = [f"{claim.experiment}: {claim.says} {claim.why}." for claim in claims if claim.why]
+    listed = laid_out(Table("The chapter's claims", columns, tuple(rows)))
     return text_of([listed, Text(verdict(claims)), *[Text(doubt) for doubt in doubts]])

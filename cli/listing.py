@@ -1,4 +1,4 @@
-"""What there is to write with: potentials, transforms, controllers, hands, mounts, sensing, objects, worlds."""
+"""What there is to write with: potentials, transforms, controllers, hands, mounts, sensing, objects, worlds, grades."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from pathlib import Path
 
 from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import result, result_json
-from graspdsl.cli.tables import row, table, text_of
+from graspdsl.cli.tables import laid_out, text_of
+from graspdsl.report.tables import Column, Table
 
 Rows = list[dict[str, str]]
 BEGINNING = 4096  # characters of a file in which it says what it is
@@ -19,11 +20,8 @@ def show_list(kind: str, as_json: bool, spec: Path | None = None) -> None:
     if as_json:
         result_json({kind: entries})
         return
-    columns = list(entries[0])
-    listed = table(kind, *columns, words=True)
-    for entry in entries:
-        row(listed, *entry.values())
-    result(text_of([listed]))
+    rows = tuple(tuple(entry.values()) for entry in entries)
+    result(text_of([laid_out(Table(kind, tuple(map(Column, entries[0])), rows))]))
 
 
 def _potentials() -> Rows:
@@ -137,6 +135,12 @@ def _sensing() -> Rows:
     return _named((name, sensor.about) for name, sensor in TACTILE_SENSORS.items())
 
 
+def _grades() -> Rows:
+    from graspdsl.quality.grades import GRADES
+
+    return _named((name, grade.about) for name, grade in GRADES.items())
+
+
 KINDS: Mapping[str, Callable[[], Rows]] = {
     "potentials": _potentials,
     "sensors": _sensors,
@@ -147,4 +151,5 @@ KINDS: Mapping[str, Callable[[], Rows]] = {
     "sensing": _sensing,
     "objects": _objects,
     "worlds": _worlds,
+    "grades": _grades,
 }

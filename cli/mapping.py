@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import typer
 from rich.console import RenderableType
@@ -14,13 +13,23 @@ from rich.text import Text
 from graspdsl.cli.inputs import InputError, examined, reading, sound
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
-from graspdsl.cli.tables import reasons_table, row, table, text_of
+from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import on_one_line
 from graspdsl.places.files import COPIES
-from graspdsl.report.attraction import AttractionMap, as_data, attraction_map, map_of_run, repeating
-from graspdsl.report.map_files import FILES, map_files
-from graspdsl.report.wording import percent
+from graspdsl.report.attraction import (
+    FILES,
+    AttractionMap,
+    as_data,
+    attraction_map,
+    map_files,
+    map_of_run,
+    repeating,
+)
+from graspdsl.report.run_tables import SHARES, reasons_table
+from graspdsl.report.statistics import wilson
+from graspdsl.report.tables import COUNT, Column, Table
+from graspdsl.report.wording import percent, percents
 from graspdsl.report.writing import prepare, replace
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.maps import Cells, WantedAxis, axes_of, floating_cells, grid_settings, refused
@@ -142,38 +151,30 @@ def _floating(program: Program, axes: list[WantedAxis], contact: str | None) -> 
 
 def show_map(made: AttractionMap, folder: Path, as_json: bool) -> None:
     """What the map in a folder says, on stdout."""
-    numbers = {**as_data(made), "run": str(folder)}
     if as_json:
-        result_json(numbers)
+        result_json({**as_data(made), "run": str(folder)})
     else:
-        result(_text(numbers))
+        result(_text(made, folder))
 
 
-def _text(numbers: dict[str, Any]) -> str:
-    head: list[RenderableType] = [Text(f"{numbers['name']}, seed {numbers['seed']}", style="bold")]
-    for name, axis in zip(("across", "up"), numbers["axes"], strict=True):
-        bounds = f"{axis['low']:g} to {axis['high']:g} {axis['unit']}, {axis['cells']} cells"
-        head.append(f"{name}: {axis['parameter']}, {bounds}")
-    head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in numbers['fixed'].items())}")
-    listed = table("Where starts end", "class", "cells", "share", "95 % interval")
-    for entry in numbers["classes"]:
-        low, high = entry["interval"]
-        row(listed, entry["label"], str(entry["count"]), percent(entry["share"]), f"{percent(low)} to {percent(high)}")
+def _text(made: AttractionMap, folder: Path) -> str:
+    head: list[RenderableType] = [Text(f"{made.name}, seed {made.seed}", style="bold")]
+    for name, axis in zip(("across", "up"), (made.cells.x, made.cells.y), strict=True):
+        head.append(f"{name}: {axis.parameter}, {axis.low:g} to {axis.high:g} {axis.unit}, {axis.cells} cells")
+    head.append(f"fixed: {'; '.join(f'{name} {value}' for name, value in made.cells.fixed.items())}")
+    rows = tuple((found.label, len(found.cells), found.share, found.interval) for found in made.classes)
+    tables = [Table("Where starts end", (Column("class"), Column("cells", COUNT), *SHARES[1:]), rows)]
     reasons = [
-        (entry["label"], said["detail"], said["count"], entry["count"])
-        for entry in numbers["classes"]
-        if (said := entry["mostly"]) is not None
+        (found.label, found.mostly.detail, len(found.mostly.trials), len(found.cells))
+        for found in made.classes
+        if found.mostly is not None
     ]
-    why: list[RenderableType] = ["", reasons_table("Why starts did not converge, mostly", reasons)] if reasons else []
-    good, (low, high) = numbers["converged"], numbers["converged"]["interval"]
+    tables += [reasons_table("Why starts did not converge, mostly", reasons)] if reasons else []
     whole = "no start was feasible"
-    if numbers["feasible"]:
-        share = f"{percent(good['share'])} (95 % interval {percent(low)} to {percent(high)})"
-        whole = f"{good['count']} of {numbers['feasible']} feasible starts converged: {share}"
-    where = on_one_line(numbers["run"])
-    foot: list[RenderableType] = [
-        "",
-        whole,
-        Text(f"The map is in {where} as {', '.join(FILES)}; to make it again:", overflow="fold"),
-    ]
-    return text_of([*head, "", listed, *why, *foot], f"  {numbers['command']}")
+    if made.feasible:
+        good, of = made.converged, made.feasible
+        share = f"{percent(good / of)} (95 % interval {percents(wilson(good, of))})"
+        whole = f"{good} of {of} feasible starts converged: {share}"
+    files = f"The map is in {on_one_line(str(folder))} as {', '.join(FILES)}; to make it again:"
+    parts = [part for table in tables for part in ("", laid_out(table))]
+    return text_of([*head, *parts, "", whole, Text(files, overflow="fold")], f"  {made.command}")

@@ -36,9 +36,9 @@ def say(text: str) -> None:
 
 def if_interrupted(kept: str) -> None:
     """From now on, a program that a signal ends says this of what is kept."""
-    after_progress = "\n" if sys.stderr.isatty() else ""
-    text = printable(f"{after_progress}interrupted; {kept}\n")
-    interruption.words = text.encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
+    after_progress = b"\x1b[?25h\n" if sys.stderr.isatty() else b""  # whose bar hides the cursor
+    text = printable(f"interrupted; {kept}\n")
+    interruption.words = after_progress + text.encode(sys.stderr.encoding or "utf-8", SPELL_OUT)
 
 
 def result(text: str) -> None:

@@ -1,15 +1,20 @@
-"""How far something long is: a bar on a terminal, now and then a line elsewhere; always on stderr."""
+"""How far something long is: rich's bar on a terminal, now and then a line elsewhere; always on stderr."""
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
 from typing import Self
 
-from graspdsl.cli.messages import say, write
+import rich.progress
+from rich.console import Console
+from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task
+from rich.table import Column
+from rich.text import Text
+
+from graspdsl.cli.messages import say
 from graspdsl.trials.record import Trial, TrialRecord
 
 BAR = 20  # cells
@@ -17,40 +22,46 @@ LINES = 10  # in all, where there is no terminal
 
 
 class Progress:
-    """Steps done, of so many, and time left. To be used in a ``with``."""
+    """Steps done, of so many, and time left; on a terminal a sign of life before the first. For a ``with``."""
 
     def __init__(self, asked: int, finished: int = 0) -> None:
         self._asked, self._before, self._done = asked, finished, finished
         self._began = time.monotonic()
-        self._live = sys.stderr.isatty()
         self._every = max(1, asked // LINES)
+        console = Console(file=sys.stderr)
+        self._live = sys.stderr.isatty() and not console.is_dumb_terminal and finished < asked
+        self._bar = rich.progress.Progress(
+            SpinnerColumn("line"),
+            BarColumn(BAR),
+            _Told(Column(no_wrap=True, overflow="ellipsis")),
+            console=console,
+            redirect_stdout=False,
+            redirect_stderr=False,
+            disable=not self._live,
+        )
+        self._task = self._bar.add_task("", total=asked, completed=finished, told=self.told)
 
     def __enter__(self) -> Self:
-        if self._done < self._asked:
-            self._draw()
+        self._bar.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._live and self._before < self._asked:
-            write(sys.stderr, "\n")
+        self._bar.stop()
 
     def step(self) -> None:
         """One more is done."""
         self._done += 1
-        if self._live:
-            self._draw()
-        elif self._done % self._every == 0 or self._done == self._asked:
-            say(self._line())
+        self._bar.update(self._task, completed=self._done, refresh=True)
+        if not self._live and (self._done % self._every == 0 or self._done == self._asked):
+            self._say()
 
-    def _draw(self) -> None:
-        if self._live:
-            line = self._line()
-            write(sys.stderr, f"\r\x1b[K{line[: _width() - 1]}")
+    def told(self) -> str:
+        """How many are done, the time left, or spent before the first and after the last, and what else there is."""
+        return "  ".join(part for part in (f"{self._done}/{self._asked}", self._time(), self._note()) if part)
 
-    def _line(self) -> str:
+    def _say(self) -> None:
         filled = BAR * self._done // self._asked
-        bar = "█" * filled + "░" * (BAR - filled)
-        return "  ".join(part for part in (f"{bar} {self._done}/{self._asked}", self._time(), self._note()) if part)
+        say(f"{'█' * filled}{'░' * (BAR - filled)} {self.told()}")
 
     def _note(self) -> str:
         return ""
@@ -58,17 +69,27 @@ class Progress:
     def _time(self) -> str:
         spent, newly = time.monotonic() - self._began, self._done - self._before
         if self._done == self._asked:
-            return f"{_duration(spent)}"
-        return f"{_duration(spent / newly * (self._asked - self._done))} left" if newly else ""
+            return _duration(spent)
+        if newly:
+            return f"{_duration(spent / newly * (self._asked - self._done))} left"
+        return f"{_duration(spent)} so far" if self._live else ""
+
+
+class _Told(ProgressColumn):
+    max_refresh = None
+
+    def render(self, task: Task) -> Text:
+        """What the progress says now."""
+        return Text(task.fields["told"]())
 
 
 class TrialProgress(Progress):
     """Trials done, outcomes so far and time left."""
 
     def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
-        super().__init__(asked, len(finished))
         self._outcomes = Counter(record.outcome.value for record in finished)
         self._drawing = ""
+        super().__init__(asked, len(finished))
 
     def advance(self, trial: Trial) -> None:
         """One more trial is finished."""
@@ -80,10 +101,8 @@ class TrialProgress(Progress):
         """A trial still looks for a start, after so many draws that could not be taken up."""
         first = not self._drawing and not self._outcomes
         self._drawing = f"trial {number} looks for a start, {draws} draws so far"
-        if self._live:
-            self._draw()
-        elif first:
-            say(self._line())
+        if first and not self._live:
+            self._say()
 
     def _note(self) -> str:
         told = [f"{count} {name}" for name, count in self._outcomes.most_common()]
@@ -93,10 +112,3 @@ class TrialProgress(Progress):
 def _duration(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes}:{rest:02d} min" if minutes else f"{rest} s"
-
-
-def _width() -> int:
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    except OSError:
-        return 80

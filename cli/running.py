@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -16,10 +16,11 @@ from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line
 from graspdsl.places.files import read_text
+from graspdsl.report.claims import Claim, claims_of
 from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.summary import numbers_of
+from graspdsl.report.summary import Summary, plain, summarised
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
@@ -109,27 +110,25 @@ def show(folder: RunFolder, as_json: bool) -> None:
     """The summary of a run, on stdout, and its page in its folder; where there can be none, a warning."""
     with reading(str(folder.path)):
         evidence = gathered(folder)
-    numbers = numbers_of(evidence)
+    summary = summarised(evidence)
     if as_json:
-        result_json(numbers)
+        result_json(plain(summary))
     else:
-        result(summary_text(numbers))
+        result(summary_text(summary))
     if differs := departure(evidence.program):
         say(f"the chapter's claims about {folder.manifest.name} are not asked of this run: {differs}")
     try:
-        say(f"report: {on_one_line(str(page_of(evidence)))}")
+        say(f"report: {on_one_line(str(page_of(evidence, summary, claims_of(evidence, summary))))}")
     except DiagnosticError as error:
         told = [replace(diagnostic, severity=Severity.WARNING) for diagnostic in error.diagnostics]
         complain(str(folder.path), "", told)
 
 
-def page_of(evidence: Evidence) -> Path:
+def page_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim]) -> Path:
     """Write a run's page; that of one of the chapter's experiments says what agrees with the chapter."""
-    from graspdsl.report.conformance import claims_of
-    from graspdsl.report.experiments_page import as_data
     from graspdsl.report.page import write_report
 
-    return write_report(evidence, frames=frames_of(evidence), claims=as_data(claims_of(evidence)))
+    return write_report(evidence, summary, frames=frames_of(evidence), claims=claims)
 
 
 def frames_of(evidence: Evidence) -> dict[str, bytes]:

@@ -14,6 +14,7 @@ from PIL import Image
 from graspdsl.compiler.program import program_of
 from graspdsl.report.evidence import gathered
 from graspdsl.report.page import write_report
+from graspdsl.report.summary import summarised
 from graspdsl.trials.runner import execute, new_run
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -27,7 +28,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = new_run(Path(place, "run"), program_of(text, SPEC.name), text, SPEC.name, ())
         execute(folder)
-        write_report(gathered(folder))
+        evidence = gathered(folder)
+        write_report(evidence, summarised(evidence))
         figure = (folder.path / "figures/funnel.png").read_bytes()
     picture = Image.open(io.BytesIO(figure)).convert("RGB")
     size = (WIDTH, round(WIDTH * picture.height / picture.width))

@@ -51,8 +51,8 @@ class Declarations:
     """
 
     hand: SourceText | None
-    mount: str | None
-    world: str | None
+    mount: SourceText | None
+    world: SourceText | None
     object: SourceText | None = None
     object_path: Path = ()
     names_hand: bool = False
@@ -72,8 +72,8 @@ def default_scene() -> Declarations:
     resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
     return Declarations(
         hand=SourceText.of("barrett"),
-        mount="gantry",
-        world=DEFAULT_WORLD,
+        mount=SourceText.of("gantry"),
+        world=SourceText.of(DEFAULT_WORLD),
         resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
         parameters={"κ_f": (0.5,)},
     )
@@ -81,18 +81,18 @@ def default_scene() -> Declarations:
 
 def declarations_of(spec: Spec, document: Document) -> Declarations:
     """What a spec declares, each text with its places in the document; what could not be read is left out."""
-    scene, thing = spec.scene, spec.scene.object
+    scene, thing, world = spec.scene, spec.scene.object, WORLDS.get(spec.scene.world)
     named, path = (thing.like, (*OBJECT, "like")) if isinstance(thing, InlineObject) else (thing, OBJECT)
     holds = thing is None or (isinstance(thing, InlineObject) and thing.held is not False)
     return Declarations(
         hand=_placed(document, HAND, scene.hand),
-        mount=scene.mount,
-        world=scene.world,
+        mount=_placed(document, ("scene", "mount"), scene.mount),
+        world=_placed(document, ("scene", "world"), scene.world),
         object=_placed(document, path, named),
         object_path=path,
         names_hand=document.has(HAND),
         holds=holds,
-        senses_gravity=scene.world is None or WORLDS[scene.world].knows_object or holds,
+        senses_gravity=world is None or world.knows_object or holds,
         displacement=spec.control.displacement or "sliding",
         resources=_entries(document, "resources", spec.resources),
         controllers=_entries(document, "controllers", spec.controllers),

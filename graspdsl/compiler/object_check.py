@@ -71,7 +71,7 @@ def _possible(spec: Spec, thing: InlineObject, document: Document, complaints: C
     if shape is None:
         return True
     try:
-        _ = shape.surface() if not WORLDS[spec.scene.world].has("edges") and not shape.edged else shape.solid
+        _ = shape.solid if shape.edged or WORLDS[spec.scene.world].has("edges") else shape.surface()
     except ValueError as error:
         path: Path = ("scene", "object", shape.name)
         complaints.about(path)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
+from typing import TypeVar
 
 from graspdsl.basis.potentials import lowering
 from graspdsl.basis.resources import ContactSet
@@ -41,6 +42,7 @@ from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, worlds_with
 
+T = TypeVar("T")
 HERE = FilePath()
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
@@ -110,16 +112,17 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     _parameters_once(spec, document, complaints)
     check_scene(spec, document, complaints)
     _leading_zeros(document, complaints)
-    if reading.is_sound("scene", "control", "program", "monitors"):
+    placed = reading.is_sound("scene") and spec.scene.world in WORLDS
+    if placed and reading.is_sound("control", "program", "monitors"):
         check_monitors(spec, document, complaints)
-    if reading.is_sound("scene", "trials"):
+    if placed and reading.is_sound("trials"):
         check_trials(spec, document, complaints)
-    thing = found_object(spec, document, complaints, folder) if reading.is_sound("scene") else None
+    thing = found_object(spec, document, complaints, folder) if placed else None
     if check.robot is not None and reading.is_sound("trials"):
         check_start_posture(spec, check.robot, document, complaints)
-    if check.robot is not None and reading.is_sound("scene"):
+    if check.robot is not None and placed:
         check_sensing(spec, document, check.robot, complaints)
-    if check.robot is not None and not reading.unread:
+    if check.robot is not None and placed and not reading.unread:
         moves = WORLDS[spec.scene.world].has("hand") and check.robot.has_model
         motion = FingertipMotion(check.robot) if moves else None
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
@@ -243,6 +246,7 @@ def program_of_expression(text: str) -> Program:
 class _ProgramCheck:
     def __init__(self, declarations: Declarations, complaints: Complaints, files: SpecFolder) -> None:
         self._declarations, self._complaints, self._files = declarations, complaints, files
+        self._world = self._one_of(("scene", "world"), declarations.world, WORLDS)
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
         definitions = definitions_with(declarations.controllers, complaints)
@@ -264,18 +268,19 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
+        mount = self._one_of(("scene", "mount"), scene.mount, mounts())
         if scene.hand is None:
             return None
         if names_a_file(scene.hand.text):
             found = self._hand_of_file(scene.hand)
-            if found is None or scene.mount is None:
+            if found is None or mount is None:
                 return None
-            whole_robot = Robot(hand=found.hand, mount=mounts()[scene.mount], hand_model=found.model)
+            whole_robot = Robot(hand=found.hand, mount=mount, hand_model=found.model)
             taken = tuple(taken_names(whole_robot))
             self._tell(scene.hand, taken)
             return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount) if hand and scene.mount is not None else None
+        return robot(scene.hand.text, scene.mount.text) if hand and mount and scene.mount else None
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -312,6 +317,14 @@ class _ProgramCheck:
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
 
+    def _one_of(self, path: Path, name: SourceText | None, known: Mapping[str, T]) -> T | None:
+        if name is None or name.text in known:
+            return None if name is None else known[name.text]
+        self._complaints.about(path)
+        message, hint = unknown_value(list(known), name.text)
+        self._complaints.error("unknown-value", message, whole(name), hint)
+        return None
+
     def phases(self) -> tuple[CheckedPhase | None, ...]:
         """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""
         phases = []
@@ -339,7 +352,7 @@ class _ProgramCheck:
         )
 
     def _fits_world(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world or "")
+        world = self._world
         if world is None:
             return
         way = self._declarations.displacement
@@ -366,7 +379,7 @@ class _ProgramCheck:
                 )
 
     def _has_residuals(self, phase: CheckedPhase, entry: PhaseEntry) -> None:
-        world = WORLDS.get(self._declarations.world or "")
+        world = self._world
         probes = world is not None and world.probes(self._declarations.displacement)
         executed = [executable(stage, probes) for stage in phase.stages]
         lowered = {name for stage in executed for name in conditions_lowered(stage)}

@@ -8,6 +8,9 @@ from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import Robot, hands
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
+from graspdsl.places.validation import unknown_value
+from graspdsl.quality.grade import Grade
+from graspdsl.quality.grades import GRADES
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import FILES, InlineObject
 from graspdsl.spec.sensing import Sensing
@@ -16,14 +19,19 @@ from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
-WRENCH_GRADES, HANDLING_GRADES = frozenset({"force-closure", "ferrari-canny"}), frozenset({"lift", "shake"})
 EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
 START: Path = ("trials", "start")
 DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
 
 def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Complain about what the scene's world has not, as far as the spec could be read."""
+    """Complain about grades that there are not, and about what the scene's world has not, as far as a spec was read."""
+    for place, grade in enumerate(spec.evaluate):
+        if grade is not None and grade not in GRADES:
+            path: Path = ("evaluate", place)
+            complaints.about(path)
+            message, hint = unknown_value(list(GRADES), grade)
+            complaints.error("unknown-value", message, document.span(path), hint)
     world = WORLDS.get(spec.scene.world)
     if world is not None:
         _Check(spec, document, complaints, world).all()
@@ -58,7 +66,7 @@ def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Comp
 
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
-    world = WORLDS.get(scene.world or "")
+    world = WORLDS.get(scene.world.text) if scene.world else None
     if scene.names_hand or scene.hand is None or world is None or world.has("hand"):
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}
@@ -80,7 +88,8 @@ class _Check:
         self._centre_of_mass()
         self._sensing()
         chosen = self._spec.trials.start.approach
-        if chosen is not None and chosen not in self._world.approaches:
+        elsewhere = any(chosen in kind.approaches for kind in WORLDS.values())
+        if elsewhere and chosen not in self._world.approaches:
             ways = listed(self._world.approaches, "or")
             hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
             message = f"the {self._world.name} world has no start {chosen!r}"
@@ -88,8 +97,7 @@ class _Check:
 
     def _without_effect(self) -> None:
         """Warn of settings that the scene passes over."""
-        trials = self._spec.trials
-        handless = self._world.lacks.get("hand")
+        trials, handless = self._spec.trials, self._world.lacks.get("hand")
         idle = HAND_STARTS if handless else ("height",) if trials.start.approach == "top" else ()
         where = handless or "a hand from above has no height"
         for name in idle:
@@ -101,7 +109,8 @@ class _Check:
                 self._warn(f"the grid's {axis.parameter} has no effect: {where}", path)
         friction: Path = ("scene", "friction")
         why = self._world.lacks.get("friction")
-        if why and self._document.has(friction) and WRENCH_GRADES.isdisjoint(self._spec.evaluate):
+        judged = any(grade.by_friction for _, grade in self._grades())
+        if why and self._document.has(friction) and not judged:
             self._warn(f"friction has no effect: {why}, and none is judged by it", friction)
 
     def _warn(self, message: str, path: Path) -> None:
@@ -137,6 +146,10 @@ class _Check:
                 message = f"{self._world.contacts} have no {sensor.called}"
                 self._error("not-sensed", message, path, f"use {listed(self._world.senses, 'or')}, or leave it out")
 
+    def _grades(self) -> list[tuple[int, Grade]]:
+        """The known grades under ``evaluate``, each with its place there."""
+        return [(place, GRADES[name]) for place, name in enumerate(self._spec.evaluate) if name in GRADES]
+
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
         thing = self._thing
@@ -146,10 +159,10 @@ class _Check:
             why = f"the object is {'held' if thing.held else 'fixed'}"
         else:
             return
-        for place, grade in enumerate(self._spec.evaluate):
-            if grade in HANDLING_GRADES:
+        for place, grade in self._grades():
+            if grade.handles:
                 hint = f"leave it out, or use a free object in {worlds_with('lifting')}"
-                self._error("grade-not-in-world", f"{grade} says nothing here: {why}", ("evaluate", place), hint)
+                self._error("grade-not-in-world", f"{grade.name} says nothing here: {why}", ("evaluate", place), hint)
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""

@@ -75,8 +75,9 @@ class HardPoint:
 class SoftFinger:
     """A hard point contact that also resists turning about its normal: |m_n| ≤ μ_t f_n, μ_t = ``torsion`` [m].
 
-    Both limits hold by themselves; the limit surface of a real patch, an ellipsoid, lies within (see
-    ``torsional_coefficient``).
+    Both limits hold by themselves; the limit surface of a real patch, an ellipsoid, lies within. For a round patch of
+    radius a [m] under Hertz's pressure its half axis, the largest μ_t, is (3π/16) μ a (Howe and Cutkosky, "Practical
+    force-motion models for sliding manipulation", 1996).
     """
 
     friction: float
@@ -107,20 +108,3 @@ def _check(friction: float, edges: int) -> None:
         raise ValueError(f"a friction coefficient is not negative, found {friction}")
     if edges < 4 or edges % 2:
         raise ValueError(f"a friction pyramid has an even number of edges, 4 or more, found {edges}")
-
-
-def patch_radius(force: float, stiffness: float, tip_radius: float) -> float:
-    """The radius a [m] of the contact patch of a soft sphere: a² = R δ (Hertz) at the indentation δ = force/stiffness.
-
-    force [N], stiffness [N/m], tip_radius R [m].
-    """
-    return math.sqrt(tip_radius * force / stiffness)
-
-
-def torsional_coefficient(friction: float, radius: float) -> float:
-    """μ_t [m], the largest moment about the normal per newton of a round patch: (3π/16) μ a.
-
-    The integral of μ p r over a patch of radius a [m] under Hertz's pressure p ∝ √(1 − r²/a²), as in Howe and Cutkosky,
-    "Practical force-motion models for sliding manipulation", 1996. It is the half axis of the limit surface.
-    """
-    return 3.0 * math.pi / 16.0 * friction * radius

@@ -6,13 +6,12 @@ to one, so the wrenches are the convex hull of all primitive wrenches together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from graspdsl.quality.force_closure import force_closure
-from graspdsl.quality.metric import NO_CONTACTS, Metric
+from graspdsl.quality.grade import NO_CONTACTS, REFERENCE, Found, Grade, Grasp, Metric, Quantity
 from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
 
 
@@ -37,6 +36,8 @@ def ferrari_canny(space: WrenchSpace) -> FerrariCanny:
     The hull is computed in principal coordinates of equal spread, so that flat hulls lose no digits, and its facets
     are carried back: n·y ≤ b there is (V S⁻¹ n)·w ≤ b here.
     """
+    from scipy.spatial import ConvexHull, QhullError
+
     if len(space.wrenches) == 0:
         return _both(None, NO_CONTACTS)
     closure = force_closure(space)
@@ -59,3 +60,24 @@ def ferrari_canny(space: WrenchSpace) -> FerrariCanny:
 
 def _both(value: float | None, reason: str) -> FerrariCanny:
     return FerrariCanny(Metric(value, reason), Metric(value, reason))
+
+
+class FerrariCannyGrade(Grade):
+    """Epsilon and volume of a final grasp, with what they depend on: contact model, reference, length [m]."""
+
+    name = "ferrari-canny"
+    about = "the largest wrench that the grasp resists in every direction (ε), and the volume of all that it resists"
+    definition = (
+        "Ferrari and Canny's ε: the radius of the largest ball of wrenches about the origin that the grasp can balance "
+        "with contact forces of bounded size; volume: that of the set of all wrenches it can balance."
+    )
+    title, column = "Ferrari–Canny", "Ferrari-Canny"
+    quantities = (Quantity("epsilon", "ε"), Quantity("volume", "volume"))
+    by_friction = True
+
+    def of(self, grasp: Grasp) -> Found:
+        """Both, with the reason where one is zero or None."""
+        space = grasp.wrenches
+        found = _both(None, grasp.missing) if grasp.missing else ferrari_canny(space)
+        depends = {"model": space.model, "criterion": "L1", "reference": REFERENCE, "length": space.length}
+        return {**asdict(found), **depends}

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 
 from graspdsl.arrays import Array
-from graspdsl.quality.metric import NO_CONTACTS
+from graspdsl.quality.grade import NO_CONTACTS, Found, Grade, Grasp
 from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
 
 MARGIN_TOLERANCE = 1e-6  # ten times that of the solver
@@ -52,6 +51,8 @@ def force_closure(space: WrenchSpace) -> ForceClosure:
 
 def _in_half_space(vectors: Array) -> bool:
     """Whether some direction d has d·v > 0 for all vectors (m, n): maximise s with d·v ≥ s, |dᵢ| ≤ 1."""
+    from scipy.optimize import linprog
+
     count, size = vectors.shape
     answer = linprog(
         np.append(np.zeros(size), -1.0),
@@ -68,6 +69,8 @@ def _evenest_balance(vectors: Array) -> float | None:
 
     With λᵢ = (sᵢ + t)/m it is a program in sᵢ ≥ 0 and t.
     """
+    from scipy.optimize import linprog
+
     count = len(vectors)
     homogeneous = np.column_stack([vectors, np.ones(count)]).T
     answer = linprog(
@@ -78,3 +81,20 @@ def _evenest_balance(vectors: Array) -> float | None:
         method="highs",
     )
     return None if answer.x is None else float(answer.x[-1])
+
+
+class ForceClosureGrade(Grade):
+    """Force closure of a final grasp."""
+
+    name = "force-closure"
+    about = "whether the contacts' friction cones can balance any wrench on the object, by linear programming"
+    definition = "Force closure: the contacts' friction cones can balance any wrench on the object."
+    passed = "closed"
+    column = "force closure"
+    verdict = "force_closure"
+    by_friction = True
+
+    def of(self, grasp: Grasp) -> Found:
+        """Closed or not, by what margin, and if not why; of how many contacts, by which contact model."""
+        found = ForceClosure(False, None, grasp.missing) if grasp.missing else force_closure(grasp.wrenches)
+        return {**asdict(found), "contacts": len(grasp.points), "model": grasp.wrenches.model}

@@ -4,20 +4,38 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.carrying import Carrier
-from graspdsl.quality.metric import NO_CONTACTS
-from graspdsl.quality.motions import rise, sway
-from graspdsl.worlds.protocol import PalmWorld, WorldCrashError
+from graspdsl.quality.grade import Found, Grade, Grasp
+from graspdsl.worlds.protocol import WorldCrashError
 
 AXES = np.eye(3)
 UP = AXES[2]
+
+
+def rise(share: float) -> float:
+    """From 0 to 1 as ``share`` of the time goes from 0 to 1, with the least jerk: 10 s³ − 15 s⁴ + 6 s⁵.
+
+    Over a height h in a time T the acceleration is at most 5.774 h / T².
+    """
+    s = min(1.0, max(0.0, share))
+    return s**3 * (10.0 + s * (6.0 * s - 15.0))
+
+
+def sway(cycles: float, count: int) -> float:
+    """sin(2π c) after c of a whole number of cycles, its first and last half cycle swelling from rest and back.
+
+    At amplitude A and angular frequency ω the acceleration is about A ω² in whole cycles.
+    """
+    if not 0.0 < cycles < count:
+        return 0.0
+    return math.sin(2.0 * math.pi * cycles) * rise(2.0 * cycles) * rise(2.0 * (count - cycles))
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +67,9 @@ class Handling:
         return float(self.amplitude * self.frequency**2 * np.abs(second).max())
 
 
+TEST = Handling()
+
+
 @dataclass(frozen=True, slots=True)
 class Held:
     """Whether a grasp kept its object through a part of the test, and if not why.
@@ -66,37 +87,43 @@ class Held:
     squeeze: float | None = None
 
 
-def lift_and_shake(
-    world: PalmWorld, robot: Robot, contacts: Sequence[int], handling: Handling, *, shake: bool = True
-) -> tuple[Held, Held]:
-    """Squeeze the object with these contacts, lift it, hold it and, with ``shake``, shake it.
+class Handled:
+    """The test of a grasp: its object is squeezed and lifted, and then, if it is asked, shaken.
 
-    contacts: indices of fingertips that touch. Returns the verdicts on lift and shake. The world goes on from where it
-    is and is not put back.
+    The world goes on from where it is and is not put back.
     """
-    if not contacts:
-        return Held(False, NO_CONTACTS), Held(False, NO_CONTACTS)
-    try:
-        test = _Test(world, robot, contacts, handling)
-        lifted = test.lift()
-    except WorldCrashError as error:
-        lifted = Held(False, str(error))
-    if not lifted.kept:
-        return lifted, Held(False, "dropped before the shake")
-    if not shake:
-        return lifted, Held(False, "not shaken")
-    try:
-        return lifted, test.shake()
-    except WorldCrashError as error:
-        return lifted, Held(False, str(error))
+
+    def __init__(self, grasp: Grasp, handling: Handling = TEST) -> None:
+        self._grasp, self._handling = grasp, handling
+
+    @cached_property
+    def lift(self) -> Held:
+        """Whether the object was kept when lifted and held."""
+        return self._kept(_Test.lift)
+
+    @cached_property
+    def shake(self) -> Held:
+        """Whether it was kept when shaken after that."""
+        return self._kept(_Test.shake) if self.lift.kept else Held(False, "dropped before the shake")
+
+    @cached_property
+    def _test(self) -> _Test:
+        return _Test(self._grasp, self._handling)
+
+    def _kept(self, part: Callable[[_Test], Held]) -> Held:
+        try:
+            return part(self._test)
+        except WorldCrashError as error:
+            return Held(False, str(error))
 
 
 class _Test:
-    def __init__(self, world: PalmWorld, robot: Robot, contacts: Sequence[int], handling: Handling) -> None:
-        self._world, self._contacts, self._handling = world, list(contacts), handling
-        self._carrier = Carrier(world, robot, contacts)
+    def __init__(self, grasp: Grasp, handling: Handling) -> None:
+        assert grasp.world is not None
+        self._world, self._contacts, self._handling = grasp.world, list(grasp.contacts), handling
+        self._carrier = Carrier(self._world, grasp.robot, self._contacts)
         self._raised = np.zeros(3)
-        truth = world.truth()
+        truth = self._world.truth()
         between = truth.points[self._contacts].mean(axis=0) - truth.object_position
         self._between = truth.object_rotation.T @ between
         begun = self._carrier.squeeze
@@ -158,3 +185,42 @@ class _Test:
 
     def _ticks(self, duration: float) -> int:
         return round(duration * self._world.info.rate)
+
+
+class LiftGrade(Grade):
+    """Whether a final grasp keeps its object when it is lifted and held."""
+
+    name = "lift"
+    about = "whether the object, squeezed and raised by the hand, stays in it"
+    definition = (
+        f"Lift: squeezed until the strongest fingertip presses with {TEST.squeeze:g} N and raised by "
+        f"{100 * TEST.height:g} cm, the object moves by less than {1000 * TEST.slip:g} mm between the contacts."
+    )
+    passed = "kept"
+    column = "kept when lifted"
+    verdict = "kept"
+    handles = True
+
+    def of(self, grasp: Grasp) -> Found:
+        """Kept or not, and if not why, with what was measured."""
+        return dataclasses.asdict(Held(False, grasp.missing) if grasp.missing else self.part(grasp.once(Handled)))
+
+    def part(self, handled: Handled) -> Held:
+        """The part of the test that is judged."""
+        return handled.lift
+
+
+class ShakeGrade(LiftGrade):
+    """Whether a final grasp keeps its object when it is shaken after the lift."""
+
+    name = "shake"
+    about = "whether the object, lifted, stays in the hand when that is shaken along three axes"
+    definition = (
+        f"Shake: the same, shaken by {100 * TEST.amplitude:g} cm at {TEST.frequency:g} Hz "
+        f"(up to {TEST.acceleration:.1f} m/s²) along three axes."
+    )
+    column = "kept when shaken"
+
+    def part(self, handled: Handled) -> Held:
+        """The part of the test that is judged."""
+        return handled.shake

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,24 +14,40 @@ from typing import Any
 import numpy as np
 
 from graspdsl.compiler.program import Program
-from graspdsl.report.outcomes import grouped
-from graspdsl.report.statistics import modes, wilson
+from graspdsl.places.files import MAP_DATA
+from graspdsl.report.outcomes import Said, grouped
+from graspdsl.report.statistics import Interval, modes, wilson
 from graspdsl.trials.maps import Axis, Cells, cells_of
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import SPEC, RunFolder
 
+FILES = ("map.svg", "map.png", MAP_DATA)
+
 
 @dataclass(frozen=True, slots=True)
 class CellClass:
     """Cells that ended alike: in an outcome, and where that is convergence in a mode of orientation (``mode`` from 1,
-    ``centre`` [rad]). ``label``: what a legend calls it; ``cells``: by position."""
+    ``centre`` [rad]). ``label``: what a legend calls it; ``cells``: by position, ``of`` so many; ``mostly``: what was
+    said of most of them, None where nothing was."""
 
     outcome: str
     label: str
     mode: int | None
     centre: float | None
     cells: tuple[int, ...]
+    of: int
+    mostly: Said | None
+
+    @property
+    def share(self) -> float:
+        """The share of all cells."""
+        return len(self.cells) / self.of
+
+    @property
+    def interval(self) -> Interval:
+        """Its Wilson interval, as if starts had been drawn evenly over the map."""
+        return wilson(len(self.cells), self.of)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +61,16 @@ class AttractionMap:
     tick: str
     cells: Cells
     classes: tuple[CellClass, ...]
+
+    @property
+    def feasible(self) -> int:
+        """How many starts were."""
+        return sum(outcome != Outcome.INFEASIBLE_START.value for outcome in self.cells.outcomes)
+
+    @property
+    def converged(self) -> int:
+        """How many starts did."""
+        return sum(outcome == Outcome.CONVERGED.value for outcome in self.cells.outcomes)
 
 
 def map_of_run(folder: RunFolder) -> AttractionMap:
@@ -76,23 +103,27 @@ def classes_of(cells: Cells) -> tuple[CellClass, ...]:
     Modes are those of the end orientations of all converged cells; cells whose grasp has no orientation are one class.
     """
     outcomes = np.array(cells.outcomes)
-    good = np.flatnonzero(outcomes == Outcome.CONVERGED.value)
-    known = good[np.isfinite(cells.orientation[good])]
     converged = Outcome.CONVERGED.value
-    found = []
-    for rank, mode in enumerate(modes(cells.orientation[known]), 1):
-        members = tuple(int(known[member]) for member in mode.members)
-        label = f"{converged}, {mode.centre:.2f} rad"
-        found.append(CellClass(converged, label, rank, mode.centre, tuple(sorted(members))))
-    unknown = tuple(int(cell) for cell in good if not math.isfinite(cells.orientation[cell]))
-    if unknown:
-        found.append(CellClass(converged, converged, None, None, unknown))
+
+    def alike(outcome: str, label: str, mode: int | None, centre: float | None, members: Iterable[int]) -> CellClass:
+        places = tuple(int(cell) for cell in members)
+        said = grouped((cell, cells.details[cell]) for cell in places)
+        return CellClass(outcome, label, mode, centre, places, len(outcomes), said[0] if said else None)
+
+    good = np.flatnonzero(outcomes == converged)
+    known = good[np.isfinite(cells.orientation[good])]
+    found = [
+        alike(converged, f"{converged}, {mode.centre:.2f} rad", rank, mode.centre, sorted(known[list(mode.members)]))
+        for rank, mode in enumerate(modes(cells.orientation[known]), 1)
+    ]
+    if unknown := [int(cell) for cell in good if not math.isfinite(cells.orientation[cell])]:
+        found.append(alike(converged, converged, None, None, unknown))
     counts = Counter(cells.outcomes)
     others = sorted(
         (name for name in counts if name != converged),
         key=lambda name: (name == Outcome.INFEASIBLE_START.value, -counts[name], name),
     )
-    found += [CellClass(name, name, None, None, tuple(map(int, np.flatnonzero(outcomes == name)))) for name in others]
+    found += [alike(name, name, None, None, np.flatnonzero(outcomes == name)) for name in others]
     return tuple(found)
 
 
@@ -108,9 +139,6 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
     place = np.zeros(count, dtype=int)
     for index, found in enumerate(made.classes):
         place[list(found.cells)] = index
-    infeasible = sum(outcome == Outcome.INFEASIBLE_START.value for outcome in cells.outcomes)
-    converged = sum(outcome == Outcome.CONVERGED.value for outcome in cells.outcomes)
-    feasible = count - infeasible
     return {
         "name": made.name,
         "world": made.world,
@@ -120,11 +148,11 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
         "fixed": dict(cells.fixed),
         "marks": {name: list(where) for name, where in cells.marks.items()},
         "cells": count,
-        "feasible": feasible,
+        "feasible": made.feasible,
         "converged": {
-            "count": converged,
-            "share": converged / feasible if feasible else None,
-            "interval": wilson(converged, feasible),
+            "count": made.converged,
+            "share": made.converged / made.feasible if made.feasible else None,
+            "interval": wilson(made.converged, made.feasible),
         },
         "classes": [
             {
@@ -133,9 +161,9 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
                 "mode": found.mode,
                 "centre": found.centre,
                 "count": len(found.cells),
-                "share": len(found.cells) / count,
-                "interval": wilson(len(found.cells), count),
-                "mostly": _mostly(cells, found),
+                "share": found.share,
+                "interval": found.interval,
+                "mostly": found.mostly and {"detail": found.mostly.detail, "count": len(found.mostly.trials)},
             }
             for found in made.classes
         ],
@@ -145,11 +173,6 @@ def as_data(made: AttractionMap) -> dict[str, Any]:
         "orientation": _rows([_known(value) for value in cells.orientation], cells.x.cells),
         "details": _rows([detail or None for detail in cells.details], cells.x.cells),
     }
-
-
-def _mostly(cells: Cells, found: CellClass) -> dict[str, Any] | None:
-    said = grouped((cell, cells.details[cell]) for cell in found.cells)
-    return {"detail": said[0]["detail"], "count": len(said[0]["trials"])} if said else None
 
 
 def _axis(axis: Axis) -> Mapping[str, Any]:
@@ -169,3 +192,13 @@ def _rows(values: list[Any], columns: int) -> list[list[Any]]:
 
 def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
+
+
+def map_files(made: AttractionMap) -> dict[str, str | bytes]:
+    """A map's figure and numbers, by the names of their files."""
+    from graspdsl.report.drawing import png_of, svg_of
+    from graspdsl.report.map_figure import map_figure
+
+    figure = map_figure(made)
+    contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
+    return dict(zip(FILES, contents, strict=True))

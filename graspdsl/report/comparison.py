@@ -2,125 +2,200 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
-from graspdsl.report.compared_measures import MEASURES, Measure
-from graspdsl.report.differences import (
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.outcomes import OutcomeCount
+from graspdsl.report.statistics import (
     Estimate,
     difference_of_medians,
     difference_of_paired_shares,
     difference_of_shares,
+    median,
     ratio_of_medians,
 )
-from graspdsl.report.evidence import Evidence, gathered
-from graspdsl.report.statistics import median, wilson
-from graspdsl.report.summary import numbers_of
+from graspdsl.report.summary import Summary
+from graspdsl.report.tables import TEXT, Column, Table, Value, fixed
+from graspdsl.report.wording import NOTHING, percent, percents
 from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import RunFolder
 
 Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of the first run, of the other
-Run = tuple[RunFolder, list[TrialRecord]]
 
 
-def comparison(folders: Sequence[RunFolder]) -> dict[str, Any]:
-    """Everything ``compare`` says, as plain data; what could not be measured is None.
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A number of a trial: ``of`` takes it from the record, NaN where it was not measured.
 
-    Shares carry 95 % Wilson intervals. Medians are over all finished trials that have the measure, those of costs
-    over converged ones. Differences and ratios are against the first run, each with its method; an interval that ends
-    at infinity has None for that end. Trials are paired where at least half of the smaller run's trials began like
-    those of the same number in the first run.
-    ``orientation_difference``: the median of |difference| [rad] over pairs of converged trials. Raises
-    DiagnosticError when a run cannot be read.
+    ``digits`` after the point where it is shown. ``every``: of every finished trial, else only of converged ones.
+    ``ratio``: whether it is a cost, which is compared by ratio as well.
     """
-    gatherings = [gathered(folder) for folder in folders]  # read once: a run may grow meanwhile
-    runs = [(evidence.folder, list(evidence.records)) for evidence in gatherings]
-    return {
-        "measures": {name: measure.label for name, measure in MEASURES.items()},
-        "runs": [_column(evidence) for evidence in gatherings],
-        "against_first": [_against(runs[0], other) for other in runs[1:]],
-    }
+
+    label: str
+    digits: int
+    of: Callable[[TrialRecord], float]
+    every: bool = True
+    ratio: bool = False
+
+    def counts(self, record: TrialRecord) -> bool:
+        """Whether a trial has this measure."""
+        return (self.every or record.outcome is Outcome.CONVERGED) and math.isfinite(self.of(record))
+
+    def values(self, records: Sequence[TrialRecord]) -> Array:
+        """The measure of the trials that have it."""
+        return np.array([self.of(record) for record in records if self.counts(record)], dtype=float)
+
+    def paired(self, pairs: Pairs) -> tuple[Array, Array]:
+        """The measure of both trials of the pairs in which both have it."""
+        both = [pair for pair in pairs if self.counts(pair[0]) and self.counts(pair[1])]
+        rows = np.array([[self.of(a), self.of(b)] for a, b in both], dtype=float).reshape(-1, 2)
+        return rows[:, 0], rows[:, 1]
 
 
-def _column(evidence: Evidence) -> dict[str, Any]:
-    numbers, records, folder = numbers_of(evidence), evidence.records, evidence.folder
-    finished, converged = len(records), numbers["outcomes"].get(Outcome.CONVERGED.value, 0)
-    return {
-        "name": numbers["name"],
-        "settings": list(folder.manifest.settings),
-        "run": numbers["run"],
-        "seed": numbers["seed"],
-        "command": numbers["command"],
-        "asked": numbers["trials"]["asked"],
-        "finished": finished,
-        "converged": converged,
-        "share": converged / finished if finished else None,
-        "interval": wilson(converged, finished),
-        "outcomes": {
-            name: {"count": count, "share": count / finished, "interval": wilson(count, finished)}
-            for name, count in numbers["outcomes"].items()
-        },
-        "modes": [
-            {**{key: mode[key] for key in ("centre", "share", "interval")}, "count": len(mode["trials"])}
-            for mode in numbers["modes"]
-        ],
-        "medians": {name: median(measure.values(records)) for name, measure in MEASURES.items()},
-    }
+MEASURES: Mapping[str, Measure] = {
+    "world_s": Measure("time of a trial [s] *", 2, lambda r: r.world_s, every=False, ratio=True),
+    "samples": Measure("tactile samples *", 0, lambda r: float(r.samples), every=False, ratio=True),
+    "ticks": Measure("ticks or probes *", 0, lambda r: float(r.ticks), every=False, ratio=True),
+    "orientation_end": Measure("orientation at the end [rad]", 3, lambda r: r.orientation_end),
+    "force_residual_end": Measure("force residual at the end", 4, lambda r: r.force_residual_end),
+    "moment_residual_end": Measure("moment residual at the end [m]", 5, lambda r: r.moment_residual_end),
+    "object_shift": Measure("object moved [m]", 5, lambda r: r.object_shift),
+    "point_error": Measure("error of sensed points, 95th percentile [m]", 5, lambda r: r.point_error[1]),
+    "normal_error": Measure("error of sensed normals, 95th percentile [rad]", 3, lambda r: r.normal_error[1]),
+}
 
 
-def _against(first: Run, other: Run) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class ComparedRun:
+    """What one of the runs did: its summary, its settings, and the median of each of MEASURES, in its unit."""
+
+    summary: Summary
+    settings: tuple[str, ...]
+    medians: Mapping[str, float | None]
+
+    def as_data(self) -> dict[str, Any]:
+        """Of its summary what is compared."""
+        one = self.summary
+        return {
+            "name": one.name,
+            "settings": self.settings,
+            "run": one.run,
+            "seed": one.seed,
+            "command": one.command,
+            "asked": one.asked,
+            "finished": one.finished,
+            "converged": one.count(Outcome.CONVERGED),
+            "share": one.converged,
+            "interval": one.converged_interval,
+            "outcomes": {
+                entry.outcome: {"count": entry.count, "share": entry.share, "interval": entry.interval}
+                for entry in one.outcome_table
+            },
+            "modes": [
+                {"centre": mode.centre, "share": mode.share, "interval": mode.interval, "count": len(mode.trials)}
+                for mode in one.modes
+            ],
+            "medians": self.medians,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Against:
+    """A run against the first: every difference is its number less the first's.
+
+    Trials are paired where at least half of the smaller run's trials began like those of the same number in the first
+    run. ``orientation_difference``: the median of |difference| [rad] over pairs of converged trials.
+    """
+
+    run: str
+    pairs: int
+    paired: bool
+    only_first_converged: int
+    only_other_converged: int
+    converged: Estimate | None
+    differences: Mapping[str, Estimate | None]
+    ratios: Mapping[str, Estimate | None]
+    orientation_difference: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Everything ``compare`` says; what could not be measured is None.
+
+    ``measures``: what each of MEASURES is called. Medians are over all finished trials that have the measure, those of
+    costs over converged ones.
+    """
+
+    measures: Mapping[str, str]
+    runs: tuple[ComparedRun, ...]
+    against_first: tuple[Against, ...]
+
+
+def comparison(runs: Sequence[tuple[Evidence, Summary]]) -> Comparison:
+    """The comparison of runs with the first of them. Raises DiagnosticError when the spec of one cannot be read."""
+    first, *others = [evidence for evidence, _ in runs]
+    return Comparison(
+        {name: measure.label for name, measure in MEASURES.items()},
+        tuple(_compared(evidence, summary) for evidence, summary in runs),
+        tuple(_against(first, other) for other in others),
+    )
+
+
+def _compared(evidence: Evidence, summary: Summary) -> ComparedRun:
+    medians = {name: median(measure.values(evidence.records)) for name, measure in MEASURES.items()}
+    return ComparedRun(summary, tuple(evidence.folder.manifest.settings), medians)
+
+
+def _against(first: Evidence, other: Evidence) -> Against:
     pairs = pairs_of(first, other)
-    paired = len(pairs) > 0 and 2 * len(pairs) >= min(len(first[1]), len(other[1]))
+    paired = len(pairs) > 0 and 2 * len(pairs) >= min(len(first.records), len(other.records))
     if paired:
         converged = difference_of_paired_shares(_converged([b for _, b in pairs]), _converged([a for a, _ in pairs]))
     else:
-        converged = difference_of_shares(_converged(other[1]), _converged(first[1]))
+        converged = difference_of_shares(_converged(other.records), _converged(first.records))
     differences, ratios = {}, {}
     for name, measure in MEASURES.items():
-        theirs, ours = _values(measure, pairs if paired else None, first[1], other[1])
-        differences[name] = _plain(difference_of_medians(ours, theirs, paired=paired))
+        theirs, ours = (
+            measure.paired(pairs) if paired else (measure.values(first.records), measure.values(other.records))
+        )
+        differences[name] = difference_of_medians(ours, theirs, paired=paired)
         if measure.ratio:
-            ratios[name] = _plain(ratio_of_medians(ours, theirs, paired=paired))
-    turned = [abs(a.orientation_end - b.orientation_end) for a, b in pairs if _both_converged(a, b)]
-    return {
-        "run": str(other[0].path),
-        "pairs": len(pairs),
-        "paired": paired,
-        "only_first_converged": sum(_has_converged(a) and not _has_converged(b) for a, b in pairs),
-        "only_other_converged": sum(_has_converged(b) and not _has_converged(a) for a, b in pairs),
-        "converged": _plain(converged),
-        "differences": differences,
-        "ratios": ratios,
-        "orientation_difference": median(np.array(turned)),
-    }
+            ratios[name] = ratio_of_medians(ours, theirs, paired=paired)
+    turned = [abs(a.orientation_end - b.orientation_end) for a, b in pairs if _has_converged(a) and _has_converged(b)]
+    return Against(
+        run=str(other.folder.path),
+        pairs=len(pairs),
+        paired=paired,
+        only_first_converged=sum(_has_converged(a) and not _has_converged(b) for a, b in pairs),
+        only_other_converged=sum(_has_converged(b) and not _has_converged(a) for a, b in pairs),
+        converged=converged,
+        differences=differences,
+        ratios=ratios,
+        orientation_difference=median(turned),
+    )
 
 
-def _values(
-    measure: Measure, pairs: Pairs | None, first: Sequence[TrialRecord], other: Sequence[TrialRecord]
-) -> tuple[Array, Array]:
-    return (measure.values(first), measure.values(other)) if pairs is None else measure.paired(pairs)
-
-
-def pairs_of(first: Run, other: Run) -> Pairs:
+def pairs_of(first: Evidence, other: Evidence) -> Pairs:
     """Trials of the same number that began alike, whatever became of them: first run's, other run's.
 
     In a world with a hand, where all that was drawn is equal: the two may differ in mount, sensing or controller. In
     the floating world contacts are drawn by the seed, over the object: both must be equal.
     """
-    if _ground(first[0]) != _ground(other[0]):
+    if _ground(first.folder) != _ground(other.folder):
         return []
-    floats = _ground(first[0])[0] == "floating"
-    known = {record.number: record for record in first[1] if floats or record.start}
+    floats = _ground(first.folder)[0] == "floating"
+    known = {record.number: record for record in first.records if floats or record.start}
     return [
         (known[record.number], record)
-        for record in other[1]
+        for record in other.records
         if record.number in known and known[record.number].start == record.start
     ]
 
@@ -136,17 +211,104 @@ def _has_converged(record: TrialRecord) -> bool:
     return record.outcome is Outcome.CONVERGED
 
 
-def _both_converged(one: TrialRecord, other: TrialRecord) -> bool:
-    return _has_converged(one) and _has_converged(other)
-
-
 def _converged(records: Sequence[TrialRecord]) -> Flags:
     return np.array([_has_converged(record) for record in records], dtype=bool)
 
 
-def _plain(estimate: Estimate | None) -> dict[str, Any] | None:
-    """An estimate as plain data, an end of its interval at infinity as None."""
+def comparison_tables(found: Comparison) -> list[Table]:
+    """The tables of a comparison: a column for each run."""
+    runs, others = found.runs, found.against_first
+    names = [str(place) for place in range(1, len(runs) + 1)]
+    return [_outcomes(runs, names), _modes(runs, names), _medians(runs, names), _against_table(others, names[1:])]
+
+
+def methods_of(found: Comparison) -> list[str]:
+    """How the intervals of differences came about, each way once, with the runs that it holds for."""
+    ways: dict[str, list[str]] = {}
+    for place, other in enumerate(found.against_first, 2):
+        medians = next((estimate for estimate in other.differences.values() if estimate), None)
+        for what, estimate in (("shares", other.converged), ("medians", medians)):
+            if estimate is not None:
+                ways.setdefault(f"{what}: {estimate.method}", []).append(str(place))
+    found_ways = [f"Run {', '.join(places)} against run 1, {way}." for way, places in ways.items()]
+    return ["Intervals hold 95 %; those of shares of one run are Wilson's.", *found_ways]
+
+
+def _side_by_side(
+    title: str, first: str, names: Sequence[str], rows: Sequence[tuple[Any, ...]], note: str = ""
+) -> Table:
+    return Table(title, (Column(first), *(Column(name, TEXT) for name in names)), tuple(rows), note)
+
+
+_SHARE = replace(TEXT, text=lambda found: f"{percent(found.share)}, {percents(found.interval)}")
+_COUNTED = replace(TEXT, text=lambda found: f"{found.count}: {_SHARE.text(found)}")
+_MODE = replace(TEXT, text=lambda mode: f"{mode.centre:.2f} rad: {_SHARE.text(mode)}")
+
+
+def _outcomes(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
+    tables = [{entry.outcome: entry for entry in run.summary.outcome_table} for run in runs]
+    known = dict.fromkeys([Outcome.CONVERGED.value, *[name for found in tables for name in found]])
+    finished = [f"{run.summary.finished} of {run.summary.asked}" for run in runs]
+    rows: list[tuple[object, ...]] = [("finished trials", *finished)]
+    rows += [(name, *[_outcome(found, name) for found in tables]) for name in known]
+    return _side_by_side("How trials ended: shares with 95 % intervals", "outcome", names, rows)
+
+
+def _outcome(found: Mapping[str, OutcomeCount], name: str) -> object:
+    return Value(found[name], _COUNTED) if name in found else "0" if found else None
+
+
+def _modes(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
+    columns = [run.summary.modes for run in runs]
+    rows = [
+        (str(place + 1), *[Value(modes[place] if place < len(modes) else None, _MODE) for modes in columns])
+        for place in range(max(map(len, columns)))
+    ]
+    return _side_by_side("Modes of the end orientation: shares with 95 % intervals", "mode", names, rows)
+
+
+def _medians(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
+    rows = [
+        (measure.label, *[Value(run.medians[name], fixed(measure.digits)) for run in runs])
+        for name, measure in MEASURES.items()
+    ]
+    return _side_by_side("Medians", "measure", names, rows, "* of converged trials")
+
+
+def _against_table(others: Sequence[Against], names: Sequence[str]) -> Table:
+    points = replace(TEXT, text=_points)
+    rows: list[tuple[object, ...]] = [
+        ("pairs of equal starts", *[_pairs(other) for other in others]),
+        ("share converged, difference", *[Value(other.converged, points) for other in others]),
+        ("pairs of which only this one converged", *[other.only_other_converged for other in others]),
+        ("pairs of which only run 1 converged", *[other.only_first_converged for other in others]),
+    ]
+    for name, measure in MEASURES.items():
+        if measure.ratio:
+            rows.append((f"{measure.label}, ratio", *[_estimate(other.ratios[name], ".3g") for other in others]))
+    for name, measure in MEASURES.items():
+        found = [_estimate(other.differences[name], f"+.{measure.digits}f") for other in others]
+        rows.append((f"{measure.label}, difference", *found))
+    turned = [Value(other.orientation_difference, fixed(3)) for other in others]
+    rows.append(("turned from its pair, median [rad] *", *turned))
+    note = "* of converged trials; where trials are paired, of pairs that both converged"
+    return _side_by_side("Against run 1: differences and ratios with 95 % intervals", "", names, rows, note)
+
+
+def _pairs(other: Against) -> str:
+    return f"{other.pairs}" if other.paired or not other.pairs else f"{other.pairs}, too few to be used"
+
+
+def _points(estimate: Estimate) -> str:
+    assert estimate.interval is not None
+    low, high = estimate.interval
+    return f"{100 * estimate.value:+.0f} points, {100 * low:+.0f} to {100 * high:+.0f}"
+
+
+def _estimate(estimate: Estimate | None, form: str) -> str:
     if estimate is None:
-        return None
-    ends = None if estimate.interval is None else [end if math.isfinite(end) else None for end in estimate.interval]
-    return {**dataclasses.asdict(estimate), "interval": None if ends is None else tuple(ends)}
+        return NOTHING
+    if estimate.interval is None:
+        return f"{estimate.value:{form}}, too few for an interval"
+    low, high = ("∞" if not math.isfinite(end) else f"{end:{form}}" for end in estimate.interval)
+    return f"{estimate.value:{form}}, {low} to {high}"

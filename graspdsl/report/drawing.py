@@ -1,21 +1,77 @@
-"""Figures as files and as parts of a page; the same figure gives the same bytes."""
+"""How figures are drawn, and written as files and as parts of a page; the same figure gives the same bytes."""
 
 from __future__ import annotations
 
 import io
 import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
 
 import matplotlib
+import numpy as np
+from markupsafe import Markup, escape
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from graspdsl.report.palette import LIGHT
+from graspdsl.report.statistics import RIGHT_ANGLE
 
 RESOLUTION = 200  # dots per inch
+WIDTH = 5.4  # in
+SMALL, MEDIUM = 8.0, 8.8  # pt
+ORIENTATIONS = np.linspace(0.0, RIGHT_ANGLE, 257)  # that a density is drawn through
+TURNS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, RIGHT_ANGLE)
 _BY_COLOUR = {colour: name for name, colour in LIGHT.items()}
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure with its name, which is that of its files too, and its caption."""
+
+    name: str
+    figure: Figure
+    caption: str
+
+    @cached_property
+    def file(self) -> str:
+        """Itself as an SVG file."""
+        return svg_of(self.figure, self.name)
+
+    @property
+    def svg(self) -> Markup:
+        """Itself as a part of a page."""
+        return Markup(inline_svg(self.file, self.name, str(escape(self.caption))))
+
+    def files(self, folder: str = "") -> dict[str, str | bytes]:
+        """Its files by their names, for papers too."""
+        return {f"{folder}{self.name}.svg": self.file, f"{folder}{self.name}.png": png_of(self.figure)}
+
+
+def panels_of(height: float, ratios: Sequence[float], *, shared: bool = True) -> tuple[Figure, list[Axes]]:
+    """A figure and its panels, one above the other over the same abscissa, or each over its own."""
+    figure = Figure((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
+    panels = list(
+        figure.subplots(len(ratios), 1, sharex=shared, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
+    )
+    for axes in panels:
+        axes.set_facecolor("none")
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.spines[["left", "bottom"]].set(color=LIGHT["muted"], linewidth=0.7)
+        axes.tick_params(colors=LIGHT["muted"], labelsize=SMALL, width=0.7, length=3)
+        axes.xaxis.label.set(color=LIGHT["ink"], fontsize=MEDIUM)
+        axes.yaxis.label.set(color=LIGHT["ink"], fontsize=MEDIUM)
+    return figure, panels
+
+
+def over_orientations(axes: Axes, label: str) -> None:
+    """Let the abscissa be the orientation of grasps [rad]."""
+    axes.set_xlim(0.0, RIGHT_ANGLE)
+    axes.set_xticks(TURNS, [*(f"{turn:g}" for turn in TURNS[:-1]), "π/2"])
+    axes.set_xlabel(label)
 
 
 def svg_of(figure: Figure, name: str) -> str:

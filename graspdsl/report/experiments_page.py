@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from graspdsl.report.claim_words import MARKS
-from graspdsl.report.conformance import Claim
+from graspdsl.report.claims import Claim
 from graspdsl.report.judgements import Verdict
+from graspdsl.report.summary import plain
 from graspdsl.report.templating import rendered
 from graspdsl.report.writing import replace
 
@@ -23,17 +22,12 @@ def verdict(claims: Sequence[Claim]) -> str:
     return f"{agree} of {len(claims)} points agree with the chapter, {differ} differ, {untold} cannot be told."
 
 
-def as_data(claims: Sequence[Claim]) -> list[dict[str, object]]:
-    """The claims as plain data."""
-    return [dataclasses.asdict(claim) for claim in claims]
-
-
 def write_experiments(place: Path, claims: Sequence[Claim], reports: Mapping[str, str]) -> Path:
     """Write the page and the claims into a folder; reports: where the report of each experiment is, from there.
 
     Returns where the page is. Raises DiagnosticError where the folder cannot be written to.
     """
-    page = rendered("experiments.html", title=TITLE, verdict=verdict(claims), claims=claims, links=reports, marks=MARKS)
-    data = json.dumps(as_data(claims), indent=2, ensure_ascii=False) + "\n"
+    page = rendered("experiments.html", title=TITLE, verdict=verdict(claims), claims=claims, links=reports)
+    data = json.dumps(plain(claims), indent=2, ensure_ascii=False) + "\n"
     replace(place, {PAGE: page, NUMBERS: data})
     return place / PAGE

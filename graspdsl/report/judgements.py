@@ -7,7 +7,7 @@ from bisect import bisect_left
 from dataclasses import dataclass
 from enum import StrEnum
 
-from graspdsl.report.intervals import FEWEST, Interval, share_interval
+from graspdsl.report.statistics import FEWEST, Interval, share_interval
 
 MOST = 100_000  # trials that anyone may be asked for
 
@@ -18,6 +18,14 @@ class Verdict(StrEnum):
     AGREES = "agrees"
     DIFFERS = "differs"
     UNTOLD = "cannot be told"
+
+    @property
+    def mark(self) -> str:
+        """The verdict with a sign before it."""
+        return f"{_SIGNS[self]} {self.value}"
+
+
+_SIGNS = {Verdict.AGREES: "✓", Verdict.DIFFERS: "✗", Verdict.UNTOLD: "?"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,13 +14,13 @@ from matplotlib.patches import Patch
 
 from graspdsl.arrays import Array
 from graspdsl.report.attraction import AttractionMap, CellClass
+from graspdsl.report.drawing import MEDIUM, SMALL
 from graspdsl.report.palette import LIGHT, series
-from graspdsl.report.statistics import wilson
+from graspdsl.report.wording import counted, percent
 from graspdsl.spec.outcomes import STROKES
 from graspdsl.trials.maps import Axis, Cells
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 
-SMALL, MEDIUM = 8.0, 8.8  # pt
 WIDTH, SIDE = 4.4, 3.3  # in, of a panel with its legend, and of its cells
 LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
@@ -118,7 +118,7 @@ def _classes(axes: Axes, made: AttractionMap) -> None:
             )
             axes.add_collection(shapes)
     handles = [
-        Patch(facecolor=colour, hatch=hatch, edgecolor=STROKE, linewidth=0.6, label=_entry(found, total))
+        Patch(facecolor=colour, hatch=hatch, edgecolor=STROKE, linewidth=0.6, label=_entry(found))
         for found, (colour, hatch) in zip(made.classes, styles, strict=True)
     ]
     axes.set_title("where each start ends", loc="left", fontsize=MEDIUM, color=LIGHT["ink"])
@@ -138,11 +138,10 @@ def _classes(axes: Axes, made: AttractionMap) -> None:
     )
 
 
-def _entry(found: CellClass, total: int) -> str:
-    low, high = wilson(len(found.cells), total)
-    share = 100 * len(found.cells) / total
-    cells = "1 cell" if len(found.cells) == 1 else f"{len(found.cells)} cells"
-    return f"{found.label}: {cells}, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
+def _entry(found: CellClass) -> str:
+    cells = counted(len(found.cells), "cell", "cells")
+    low, high = found.interval
+    return f"{found.label}: {cells}, {percent(found.share)} ({100 * low:.0f} to {percent(high)})"
 
 
 def _ticks(figure: Figure, axes: Axes, made: AttractionMap) -> None:

@@ -7,12 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from graspdsl.arrays import Array
-from graspdsl.report.bands import held_to_the_longest
 from graspdsl.report.evidence import Course
-from graspdsl.report.intervals import FEWEST, Interval, drawn_again, percentile_interval
+from graspdsl.report.statistics import (
+    FEWEST,
+    Interval,
+    drawn_again,
+    held_to_the_longest,
+    mean_interval,
+    percentile_interval,
+)
 
 SETTLED = 0.9  # of the way that a mean residual falls
 
@@ -49,7 +54,7 @@ def mean_courses(courses: Sequence[Course]) -> MeanCourses | None:
     if count >= FEWEST:
         again = ((drawn @ force, drawn @ moment) for drawn in drawn_again(count))
         lags = percentile_interval(np.array([lag_of(*pair) for pairs in again for pair in zip(*pairs, strict=True)]))
-        risen = _student(rises)
+        risen = mean_interval(rises)
     settled = settled_at(means[0]), settled_at(means[1])
     return MeanCourses(count, settled, lag_of(*means), lags, float(rises.mean()), risen)
 
@@ -83,11 +88,6 @@ def _steepest(course: Array) -> tuple[int, int]:
     """The ticks between which a course (t,) rises most, from the least that it was before."""
     last = int(np.argmax(course - np.minimum.accumulate(course)))
     return int(np.argmin(course[: last + 1])), last
-
-
-def _student(values: Array) -> Interval:
-    half = float(stats.t.ppf(0.975, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
-    return float(values.mean()) - half, float(values.mean()) + half
 
 
 def _is_whole(course: Course) -> bool:

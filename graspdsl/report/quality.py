@@ -3,90 +3,118 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from graspdsl.report.statistics import median, wilson
+from graspdsl.quality.grade import Grade
+from graspdsl.quality.grades import GRADES
+from graspdsl.report.statistics import Interval, median, wilson
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
-Numbers = dict[str, Any]
+
+@dataclass(frozen=True, slots=True)
+class Passed:
+    """How many grasps passed a grade, of so many, with the Wilson interval of the share."""
+
+    passed: int
+    of: int
+    share: float
+    interval: Interval
 
 
-def quality(records: Sequence[TrialRecord]) -> Numbers:
-    """The grades of all trials that began and were graded, as plain data; of grades that no trial has, nothing.
+@dataclass(frozen=True, slots=True)
+class GradeMedian:
+    """The median of a quantity of a grade, in its unit, over the grasps that have it."""
 
-    Shares carry 95 % Wilson intervals; ``reasons`` count why grasps have no closure, no measure or were dropped. The
-    confusion table counts trials by three verdicts: converged (the residuals'), force closure, and kept (the
-    simulator's: shaken where there was a shake, else lifted), all eight combinations and by outcome.
-    """
-    records = [record for record in records if record.outcome is not Outcome.INFEASIBLE_START]
-    found: Numbers = {}
-    if closures := _grades(records, "force-closure"):
-        found["force_closure"] = {"closed": sum(g["closed"] for g in closures), **_counted(closures, "closed")}
-    if measures := _grades(records, "ferrari-canny"):
-        found["ferrari_canny"] = {
-            "epsilon": _median(g["epsilon"]["value"] for g in measures),
-            "volume": _median(g["volume"]["value"] for g in measures),
-            "reasons": _reasons(g["epsilon"] for g in measures),
-        }
-    for grade in ("lift", "shake"):
-        if verdicts := _grades(records, grade):
-            found[grade] = {"kept": sum(g["kept"] for g in verdicts), **_counted(verdicts, "kept")}
-    if found:
-        found["confusion"] = _confusion(records)
-    return found
+    median: float | None
+    of: int
 
 
-def _grades(records: Iterable[TrialRecord], grade: str) -> list[Mapping[str, Any]]:
-    return [record.quality[grade] for record in records if grade in record.quality]
+@dataclass(frozen=True, slots=True)
+class GradeSummary:
+    """What a grade says of the final grasps of a run; ``reasons``: why some did not pass or have no measure."""
+
+    grade: Grade
+    passed: Passed | None
+    medians: Mapping[str, GradeMedian]
+    reasons: Mapping[str, int]
+
+    def as_data(self) -> dict[str, Any]:
+        """The count of those that passed stands under the grade's own word for that."""
+        counted = {}
+        if (one := self.passed) is not None:
+            counted = {self.grade.passed: one.passed, "of": one.of, "share": one.share, "interval": one.interval}
+        return {**counted, **self.medians, "reasons": self.reasons}
 
 
-def _counted(grades: Sequence[Mapping[str, Any]], good: str) -> Numbers:
-    successes = sum(bool(grade[good]) for grade in grades)
-    return {
-        "of": len(grades),
-        "share": successes / len(grades),
-        "interval": wilson(successes, len(grades)),
-        "reasons": _reasons(grades),
-    }
+@dataclass(frozen=True, slots=True)
+class Confusion:
+    """Verdicts on grasps side by side: ``table``, all combinations of yes and no with their trials, of so many trials
+    that have every verdict; ``outcomes``, how many trials passed each grade, by outcome."""
+
+    of: int
+    table: tuple[Mapping[str, bool | int], ...]
+    outcomes: Mapping[str, Mapping[str, int]]
 
 
-def _reasons(grades: Iterable[Mapping[str, Any]]) -> dict[str, int]:
-    return dict(Counter(grade["reason"] for grade in grades if grade["reason"]).most_common())
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """The grades that some trial has, by their keys; none, and no confusion, where nothing was graded."""
+
+    grades: Mapping[str, GradeSummary]
+    confusion: Confusion
+
+    def as_data(self) -> dict[str, Any]:
+        """Nothing where nothing was graded."""
+        return {**self.grades, "confusion": self.confusion} if self.grades else {}
 
 
-def _median(values: Iterable[float | None]) -> Numbers:
-    known = [value for value in values if value is not None]
-    return {"median": median(known), "of": len(known)}
+def quality(records: Sequence[TrialRecord]) -> Quality:
+    """The grades of all trials that began and were graded."""
+    begun = [record for record in records if record.outcome is not Outcome.INFEASIBLE_START]
+    found = {}
+    for name, grade in GRADES.items():
+        grades = [record.quality[name] for record in begun if name in record.quality]
+        if grades:
+            found[grade.key] = _graded(grade, grades)
+    return Quality(found, _confusion(begun))
 
 
-def _verdicts(record: TrialRecord) -> Numbers:
-    """The verdicts that a trial has; None for those that were not asked for."""
-    grades = record.quality
-    simulated = grades.get("shake", grades.get("lift"))
-    return {
-        "converged": record.outcome is Outcome.CONVERGED,
-        "force_closure": grades["force-closure"]["closed"] if "force-closure" in grades else None,
-        "kept": simulated["kept"] if simulated is not None else None,
-    }
+def _graded(grade: Grade, found: Sequence[Mapping[str, Any]]) -> GradeSummary:
+    passed = None
+    if grade.passed:
+        count = sum(one[grade.passed] for one in found)
+        passed = Passed(count, len(found), count / len(found), wilson(count, len(found)))
+    medians = {}
+    for quantity in grade.quantities:
+        known = [one[quantity.key]["value"] for one in found if one[quantity.key]["value"] is not None]
+        medians[quantity.key] = GradeMedian(median(known), len(known))
+    told = found if grade.passed else [one[grade.quantities[0].key] for one in found]
+    reasons = Counter(one["reason"] for one in told if one["reason"])
+    return GradeSummary(grade, passed, medians, dict(reasons.most_common()))
 
 
-def _confusion(records: Sequence[TrialRecord]) -> Numbers:
-    verdicts = [_verdicts(record) for record in records]
-    names = ("converged", "force_closure", "kept")
-    judged = [v for v in verdicts if None not in v.values()]
-    table = [dict(zip(names, values, strict=True)) for values in product((True, False), repeat=3)]
-    by_outcome: dict[str, Numbers] = {}
-    for record, verdict in zip(records, verdicts, strict=True):
-        row = by_outcome.setdefault(record.outcome.value, {"trials": 0, "force_closure": 0, "lift": 0, "shake": 0})
+def _confusion(records: Sequence[TrialRecord]) -> Confusion:
+    """Verdicts: converged, by the residuals, and those that grades give."""
+    passing = [grade for grade in GRADES.values() if grade.passed]
+    names = ["converged", *dict.fromkeys(grade.verdict for grade in passing if grade.verdict)]
+    verdicts: list[dict[str, bool | None]] = []
+    outcomes: dict[str, dict[str, int]] = {}
+    for record in records:
+        passed = {g: bool(record.quality[g.name][g.passed]) for g in passing if g.name in record.quality}
+        given = {grade.verdict: yes for grade, yes in passed.items()}
+        verdicts.append({"converged": record.outcome is Outcome.CONVERGED, **{n: given.get(n) for n in names[1:]}})
+        row = outcomes.setdefault(record.outcome.value, {"trials": 0, **{grade.key: 0 for grade in passing}})
         row["trials"] += 1
-        row["force_closure"] += bool(verdict["force_closure"])
-        for grade in ("lift", "shake"):
-            row[grade] += bool(record.quality.get(grade, {}).get("kept"))
-    return {
-        "of": len(judged),
-        "table": [{**cell, "trials": judged.count(cell)} for cell in table],
-        "outcomes": dict(sorted(by_outcome.items(), key=lambda item: -item[1]["trials"])),
-    }
+        for grade, yes in passed.items():
+            row[grade.key] += yes
+    judged = [verdict for verdict in verdicts if None not in verdict.values()]
+    cells = [dict(zip(names, values, strict=True)) for values in product((True, False), repeat=len(names))]
+    return Confusion(
+        len(judged),
+        tuple({**cell, "trials": sum(verdict == cell for verdict in judged)} for cell in cells),
+        dict(sorted(outcomes.items(), key=lambda item: -item[1]["trials"])),
+    )

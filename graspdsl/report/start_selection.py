@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
 
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.trials import PARAMETERS, Trials
@@ -16,35 +15,50 @@ from graspdsl.trials.record import TrialRecord
 QUANTILES = (0.05, 0.5, 0.95)
 
 
-def starts_of(trials: Trials, records: Sequence[TrialRecord]) -> dict[str, Any]:
-    """What was drawn and what was kept, as plain data.
+@dataclass(frozen=True, slots=True)
+class StartNumber:
+    """A number of a start that differs from trial to trial: its unit and its quantiles, of QUANTILES, as the spec asks
+    for them and as trials began with them; None where none began."""
 
-    draws: how many starts were drawn; kept: with how many of them trials began; rejected: how many could not be taken
-    up, by reason; parameters: for every number of a start that differs from trial to trial, its unit and its 5 %, 50 %
-    and 95 % quantiles as the spec asks for them and as trials began with them (None where none began).
+    unit: str
+    asked: tuple[float, ...] | None
+    kept: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Starts:
+    """What became of the starts that were drawn: those that a world could take up are no fair sample of them.
+
+    draws: how many were drawn; kept: with how many of them trials began; rejected: how many could not be taken up, by
+    reason.
     """
+
+    draws: int
+    kept: int
+    rejected: Mapping[str, int]
+    parameters: Mapping[str, StartNumber]
+
+
+def starts_of(trials: Trials, records: Sequence[TrialRecord]) -> Starts:
+    """What was drawn for trials and what was kept."""
     rejected = Counter(start.reason for record in records for start in record.rejected)
     kept = [record for record in records if record.start]
-    return {
-        "draws": len(kept) + rejected.total(),
-        "kept": len(kept),
-        "rejected": dict(rejected.most_common()),
-        "parameters": {
-            name: {
-                "unit": unit,
-                "asked": asked,
-                "kept": _quantiles([record.start[name] for record in kept]),
-            }
+    return Starts(
+        len(kept) + rejected.total(),
+        len(kept),
+        dict(rejected.most_common()),
+        {
+            name: StartNumber(unit, asked, _quantiles([record.start[name] for record in kept]))
             for name, unit, asked in _asked(trials, records)
             if all(name in record.start for record in kept)
         },
-    }
+    )
 
 
-def _asked(trials: Trials, records: Sequence[TrialRecord]) -> list[tuple[str, str, list[float] | None]]:
+def _asked(trials: Trials, records: Sequence[TrialRecord]) -> list[tuple[str, str, tuple[float, ...] | None]]:
     """The numbers of a start that differ from trial to trial, their units and their quantiles as asked for."""
     start, gridded = trials.start, {axis.parameter for axis in trials.grid or ()}
-    asked: list[tuple[str, str, list[float] | None]] = []
+    asked: list[tuple[str, str, tuple[float, ...] | None]] = []
     for name in PARAMETERS:
         unit = "rad" if name in ("roll", "yaw", "tilt") else "m"
         if name in gridded:
@@ -55,17 +69,19 @@ def _asked(trials: Trials, records: Sequence[TrialRecord]) -> list[tuple[str, st
     return asked + [(name, "", quantiles) for name, quantiles in places if quantiles is not None]
 
 
-def _quantiles_of(distribution: float | Uniform | Normal | Choice) -> list[float] | None:
+def _quantiles_of(distribution: float | Uniform | Normal | Choice) -> tuple[float, ...] | None:
     """Those of a distribution; None of a number, which is always the same."""
     match distribution:
         case Uniform(uniform=(low, high)):
-            return [low + share * (high - low) for share in QUANTILES]
+            return tuple(low + share * (high - low) for share in QUANTILES)
         case Normal(normal=(mean, deviation)):
-            return [float(mean + deviation * norm.ppf(share)) for share in QUANTILES]
+            from scipy.stats import norm
+
+            return tuple(float(mean + deviation * norm.ppf(share)) for share in QUANTILES)
         case Choice(choice=values):
-            return [float(value) for value in np.quantile(values, QUANTILES, method="inverted_cdf")]
+            return tuple(float(value) for value in np.quantile(values, QUANTILES, method="inverted_cdf"))
     return None
 
 
-def _quantiles(values: Sequence[float]) -> list[float] | None:
-    return [float(value) for value in np.quantile(values, QUANTILES)] if values else None
+def _quantiles(values: Sequence[float]) -> tuple[float, ...] | None:
+    return tuple(float(value) for value in np.quantile(values, QUANTILES)) if values else None

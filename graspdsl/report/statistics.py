@@ -1,28 +1,76 @@
-"""Statistics of a run: intervals of shares, densities on a bounded range, their separation into modes."""
+"""Statistics of runs: medians, densities and their modes, courses as one, and intervals of 95 %.
+
+Intervals of a share are Wilson's where it is told, and exact where a claim is judged by it; those of medians are of
+order statistics; of differences of shares Newcombe's score methods, of medians the bootstrap. What draws at random
+does so from BOOTSTRAP_SEED: an interval is the same whenever it is made. scipy.stats, which takes its time to load, is
+loaded by the first number that needs it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 
-LEAST_BANDWIDTH = 0.05  # rad; what the chapter's figures still resolve
 RIGHT_ANGLE = math.pi / 2
+LEAST_BANDWIDTH = 0.05  # rad; what the chapter's figures still resolve
+LOW, HIGH = 10.0, 90.0  # percentiles
+MOST_TICKS = 400  # that a curve is drawn through
+RESAMPLES, AT_ONCE = 2000, 50  # so that those of very many trials do not fill the memory
+BOOTSTRAP_SEED = 0
+FEWEST = 6  # the range of n values covers their median with 1 − 2^(1−n): 95 % only from six on
+
+Interval = tuple[float, float]
+
+PAIRED_SHARES = "paired score interval (Newcombe 1998, Stat. Med. 17:2635, method 10)"
+UNPAIRED_SHARES = "hybrid score interval (Newcombe 1998, Stat. Med. 17:873, method 10)"
+PAIRED_MEDIANS = f"percentile bootstrap over pairs, {RESAMPLES} resamples"
+UNPAIRED_MEDIANS = f"percentile bootstrap over each run's trials, {RESAMPLES} resamples"
 
 
-def wilson(successes: int, count: int, z: float = 1.959963984540054) -> tuple[float, float]:
-    """The Wilson score interval of a share, 95 % by default; (0, 1) when nothing was counted."""
+def wilson(successes: int, count: int) -> Interval:
+    """The Wilson score interval of a share; (0, 1) when nothing was counted."""
     if count == 0:
         return 0.0, 1.0
-    share = successes / count
-    spread = z * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
-    middle, scale = share + z * z / (2 * count), 1 + z * z / count
-    return max(0.0, (middle - spread) / scale), min(1.0, (middle + spread) / scale)
+    from scipy import stats
+
+    low, high = stats.binomtest(successes, count).proportion_ci(method="wilson")
+    return float(low), float(high)
+
+
+def share_interval(part: float, whole: float) -> Interval:
+    """The interval of a share after Clopper and Pearson 1934: each end is passed with a chance of at most 2.5 %."""
+    from scipy import stats
+
+    low = float(stats.beta.ppf(0.025, part, whole - part + 1.0)) if part > 0.0 else 0.0
+    high = float(stats.beta.ppf(0.975, part + 1.0, whole - part)) if part < whole else 1.0
+    return low, high
+
+
+def median_interval(values: Array) -> Interval | None:
+    """The interval between two order statistics that covers the median of what values (n,) are drawn from.
+
+    Exact, by the binomial law: each end is passed with a chance of at most 2.5 %. None for fewer than FEWEST values.
+    """
+    if len(values) < FEWEST:
+        return None
+    from scipy import stats
+
+    low, high = np.asarray(stats.quantile_test(values, q=0.0, p=0.5).confidence_interval(0.95))
+    return float(low), float(high)
+
+
+def mean_interval(values: Array) -> Interval:
+    """Student's interval of the mean of what values (n,) are drawn from."""
+    from scipy import stats
+
+    low, high = stats.t.interval(0.95, len(values) - 1, loc=values.mean(), scale=stats.sem(values))
+    return float(low), float(high)
 
 
 def median(values: Iterable[float]) -> float | None:
@@ -88,3 +136,184 @@ def modes(values: Array) -> list[Mode]:
         if members:
             found.append(Mode(float(grid[peak]), float(low), float(min(high, RIGHT_ANGLE)), members))
     return sorted(found, key=lambda mode: -len(mode.members))
+
+
+def peak_interval(values: Array, low: float, high: float) -> Interval | None:
+    """The bootstrap interval of where between two angles the density of angles (n,) in 0…π/2 peaks [rad].
+
+    All angles are drawn again, at the bandwidth that they have. None for fewer than FEWEST between the two.
+    """
+    if np.count_nonzero((values >= low) & (values <= high)) < FEWEST:
+        return None
+    grid = np.linspace(0.0, RIGHT_ANGLE, 513)
+    grid = grid[(grid >= low) & (grid <= high)]
+    width = bandwidth(values)
+    kernels = np.column_stack([density(np.array([value]), grid, width) for value in values])
+    peaks = [grid[np.argmax(kernels @ drawn.T, axis=0)] for drawn in drawn_again(len(values))]
+    return percentile_interval(np.concatenate(peaks))
+
+
+def drawn_again(count: int) -> Iterator[Array]:
+    """How often each of so many trials is drawn in each of RESAMPLES resamples: (AT_ONCE, count) at a time."""
+    random = np.random.default_rng(BOOTSTRAP_SEED)
+    for _ in range(RESAMPLES // AT_ONCE):
+        yield random.multinomial(count, np.full(count, 1.0 / count), size=AT_ONCE).astype(float)
+
+
+def percentile_interval(resampled: Array) -> Interval:
+    """The middle 95 % of resampled numbers (r,), each end one of them: it may be infinite."""
+    ordered = np.sort(resampled)
+    last = len(ordered) - 1
+    return float(ordered[math.floor(0.025 * last)]), float(ordered[math.ceil(0.975 * last)])
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """Curves over the same ticks, (t,) each: the mean and two percentiles over trials, in the unit of the values.
+
+    A trial that has ended keeps its last value, so that all trials count at every tick; ``running`` is how many had
+    not ended.
+    """
+
+    ticks: Array
+    mean: Array
+    low: Array
+    high: Array
+    running: Array
+
+
+def held_to_the_longest(courses: Sequence[Array]) -> Array:
+    """Courses (n_i,), one at least and none empty, as rows (n, t) of the longest one's length; each keeps its last
+    value."""
+    ticks = np.arange(max(map(len, courses)))
+    return np.stack([course[np.minimum(ticks, len(course) - 1)] for course in courses])
+
+
+def band(courses: Sequence[Array]) -> Band | None:
+    """The mean and the 10th and 90th percentiles of courses (n_i,) of any lengths; None where there is none.
+
+    Long ones are looked at on MOST_TICKS ticks, evenly spaced.
+    """
+    known = [course for course in courses if len(course) and np.isfinite(course).all()]
+    if not known:
+        return None
+    lengths = np.array([len(course) for course in known])
+    longest = int(lengths.max())
+    ticks = np.unique(np.round(np.linspace(0, longest - 1, min(longest, MOST_TICKS))).astype(int))
+    values = np.stack([course[np.minimum(ticks, len(course) - 1)] for course in known])
+    low, high = np.percentile(values, [LOW, HIGH], axis=0)
+    running = (lengths[:, None] > ticks).sum(axis=0)
+    return Band(ticks.astype(float), values.mean(axis=0), low, high, running.astype(float))
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number with its 95 % interval, which may end at infinity; no interval where there are too few values for one.
+
+    ``method``: in words.
+    """
+
+    value: float
+    interval: Interval | None
+    method: str
+    count: int
+
+
+def difference_of_shares(other: Flags, first: Flags) -> Estimate | None:
+    """The difference of two independent shares: Newcombe's hybrid score interval. None where nothing was counted.
+
+    other: (m,), first: (n,).
+    """
+    if len(other) == 0 or len(first) == 0:
+        return None
+    above, below = float(np.mean(other)), float(np.mean(first))
+    above_low, above_high = wilson(int(np.sum(other)), len(other))
+    below_low, below_high = wilson(int(np.sum(first)), len(first))
+    value = above - below
+    low = value - math.hypot(above - above_low, below_high - below)
+    high = value + math.hypot(above_high - above, below - below_low)
+    return Estimate(value, (max(-1.0, low), min(1.0, high)), UNPAIRED_SHARES, min(len(other), len(first)))
+
+
+def difference_of_paired_shares(other: Flags, first: Flags) -> Estimate | None:
+    """The difference of two shares over the same n subjects: Newcombe's paired score interval. None for no pairs.
+
+    other, first: (n,), a pair a place. The interval narrows with the correlation of the two, which is corrected for
+    continuity.
+    """
+    count = len(other)
+    if count == 0:
+        return None
+    above, below = float(np.mean(other)), float(np.mean(first))
+    above_low, above_high = wilson(int(np.sum(other)), count)
+    below_low, below_high = wilson(int(np.sum(first)), count)
+    correlation = _correlation(other, first)
+    value = above - below
+    low = value - _side(above - above_low, below_high - below, correlation)
+    high = value + _side(above_high - above, below - below_low, correlation)
+    return Estimate(value, (max(-1.0, low), min(1.0, high)), PAIRED_SHARES, count)
+
+
+def _side(own: float, others: float, correlation: float) -> float:
+    return math.sqrt(max(0.0, own * own - 2.0 * correlation * own * others + others * others))
+
+
+def _correlation(other: Flags, first: Flags) -> float:
+    """The phi coefficient of a table of pairs, a positive one drawn towards zero by half a pair."""
+    both, neither = int(np.sum(other & first)), int(np.sum(~other & ~first))
+    only_other, only_first = int(np.sum(other & ~first)), int(np.sum(~other & first))
+    margins = (both + only_other) * (neither + only_first) * (both + only_first) * (neither + only_other)
+    if margins == 0:
+        return 0.0
+    product = float(both * neither - only_other * only_first)
+    if product > 0:
+        product = max(0.0, product - len(other) / 2)
+    return product / math.sqrt(margins)
+
+
+def difference_of_medians(other: Array, first: Array, *, paired: bool) -> Estimate | None:
+    """The difference of two medians. None where there are no values.
+
+    other: (m,), first: (n,); ``paired``: m = n, and trials are drawn again in pairs. The interval errs on the wide side
+    for pairs: in simulations of 12 and of 40 pairs it held the true difference 98 and 99 times of 100.
+    """
+    if len(other) == 0 or len(first) == 0:
+        return None
+    return _estimate(np.subtract, other, first, paired=paired)
+
+
+def ratio_of_medians(other: Array, first: Array, *, paired: bool) -> Estimate | None:
+    """The ratio of two medians of numbers not below zero, as :func:`difference_of_medians`.
+
+    None also where the first median is zero. A resample whose first median is zero has an infinite ratio; where both
+    are zero it may be anything, which widens the interval at either end.
+    """
+    if len(other) == 0 or len(first) == 0 or np.median(first) == 0.0:
+        return None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return _estimate(np.divide, other, first, paired=paired)
+
+
+def _estimate(of: Callable[[Array, Array], Array], other: Array, first: Array, *, paired: bool) -> Estimate:
+    """A number of two medians with the bootstrap's interval.
+
+    A resample in which it may be anything, which a difference never may, counts as 0 at the low end, as ∞ at the high.
+    """
+    value, count = float(of(np.asarray(np.median(other)), np.asarray(np.median(first)))), min(len(other), len(first))
+    method = PAIRED_MEDIANS if paired else UNPAIRED_MEDIANS
+    if count < FEWEST:
+        return Estimate(value, None, method, count)
+    from scipy import stats
+
+    drawn = stats.bootstrap(
+        (other, first),
+        lambda ours, theirs, axis: of(np.median(ours, axis=axis), np.median(theirs, axis=axis)),
+        n_resamples=RESAMPLES,
+        paired=paired,
+        vectorized=True,
+        method="percentile",
+        rng=np.random.default_rng(BOOTSTRAP_SEED),
+    ).bootstrap_distribution
+    low = percentile_interval(np.nan_to_num(drawn, nan=0.0, posinf=np.inf, neginf=-np.inf))[0]
+    high = percentile_interval(np.nan_to_num(drawn, nan=np.inf, posinf=np.inf, neginf=-np.inf))[1]
+    return Estimate(value, (low, high), method, count)

@@ -1,110 +1,204 @@
-"""The summary of a run: the numbers of ``report --json``."""
+"""The summary of a run: every number that a report tells, worked out once.
+
+Console, page and ``--json`` are three renderings of it. What could not be measured is None, NaN in a record.
+"""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
 from operator import attrgetter
-from typing import Any, Literal
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import numpy as np
+from pydantic import BaseModel
 
-from graspdsl.report.evidence import Evidence, gathered
-from graspdsl.report.outcomes import outcome_table
-from graspdsl.report.quality import quality
-from graspdsl.report.start_selection import starts_of
-from graspdsl.report.statistics import bandwidth, median, modes, wilson
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.outcomes import OutcomeCount, outcome_table
+from graspdsl.report.quality import Quality, quality
+from graspdsl.report.start_selection import Starts, starts_of
+from graspdsl.report.statistics import Interval, bandwidth, median, modes, wilson
+from graspdsl.spec.program import Until
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
 
+Ratio = Annotated[float | None, "1"]
+Shares = Annotated[Interval, "1"]
+Metres = Annotated[float | None, "m"]
+SquareMetres = Annotated[float | None, "m²"]
+Radians = Annotated[float | None, "rad"]
+Newtons = Annotated[float | None, "N"]
+Seconds = Annotated[float | None, "s"]
+Count = Annotated[float | None, "ticks or probes, or samples"]
 
-def summary(folder: RunFolder) -> dict[str, Any]:
-    """The numbers of the run in a folder, as of :func:`numbers_of`. Raises DiagnosticError when it cannot be read."""
-    return numbers_of(gathered(folder))
+
+class At(str):
+    """Where a number stands in JSON, if not under its own name: keys with dots between."""
 
 
-def numbers_of(evidence: Evidence) -> dict[str, Any]:
-    """Everything a report says of a run, as plain data; what could not be measured is None.
+@dataclass(frozen=True, slots=True)
+class Medians:
+    """Medians of a residual or of its square by the simulator's truth: ``start`` and ``end`` over all trials,
+    ``end_in_contact`` over those whose contacts all touched at the end."""
 
-    Residuals are medians over trials of ‖ρ_f‖ (1) and ‖ρ_m‖ (m) by the simulator's truth: ``start`` and ``end`` over
-    all trials, ``end_in_contact`` over those whose contacts all touched at the end, ``squared`` of ε = ρᵀρ. Modes are
-    of the latter trials only; orientations (rad) stand by trial number, as does ``in_contact``: whether the hand felt
-    all contacts at any time (start) and whether all truly touched at the last tick (end, None where the trajectory is
-    lost). Shares carry 95 % Wilson intervals, which take trials as independent: ``different`` is how many of them can
-    differ from one another, the others repeat them.
+    start: Annotated[float | None, "the residual's"]
+    end: Annotated[float | None, "the residual's"]
+    end_in_contact: Annotated[float | None, "the residual's"]
+
+
+@dataclass(frozen=True, slots=True)
+class ModeSummary:
+    """A mode of the end orientations of trials whose contacts all touched: its peak and range, its share ``of`` so
+    many trials with an interval, the medians over its trials, and these by number."""
+
+    centre: Annotated[float, "rad"]
+    share: Annotated[float, "1"]
+    of: int
+    interval: Shares
+    force_residual: Ratio
+    moment_residual: Metres
+    force_squared: Ratio
+    moment_squared: SquareMetres
+    range: Annotated[Interval, "rad"]
+    trials: tuple[int, ...]
+    bandwidth: Annotated[float, "rad"]
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Everything a report says of a run.
+
+    Of ``finished`` trials so many ``different`` ones can differ from one another, the others repeat them; shares carry
+    Wilson intervals of 95 %, which take all as independent. By trial, in the order of the records: whether the hand
+    felt all contacts at any time (``in_contact_start``) and whether all truly touched at the last tick (``_end``, None
+    where the trajectory is lost), and orientations. Residuals are medians of ‖ρ_f‖ (1) and ‖ρ_m‖ [m], squared of
+    ε = ρᵀρ; modes are of trials whose contacts all touched at the end. Contact forces, samples and time are of
+    converged trials, sensing errors percentiles over a trial's readings and then medians over trials. ``command`` runs
+    the same trials again.
     """
+
+    name: str
+    run: str
+    seed: int
+    asked: Annotated[int, At("trials.asked")]
+    finished: Annotated[int, At("trials.finished")]
+    different: Annotated[int, At("trials.different")]
+    outcomes: Mapping[str, int]
+    converged: Annotated[Ratio, At("converged.share")]
+    converged_interval: Annotated[Shares, At("converged.interval")]
+    converged_means: Annotated[Until, At("converged.means")]
+    outcome_table: tuple[OutcomeCount, ...]
+    in_contact_start: Annotated[tuple[bool, ...], At("in_contact.start")]
+    in_contact_end: Annotated[tuple[bool | None, ...], At("in_contact.end")]
+    force: Annotated[Medians, At("residuals.force")]
+    force_squared: Annotated[Medians, At("residuals.force.squared")]
+    moment: Annotated[Medians, At("residuals.moment")]
+    moment_squared: Annotated[Medians, At("residuals.moment.squared")]
+    orientation_start: Annotated[tuple[Radians, ...], At("orientation.start")]
+    orientation_end: Annotated[tuple[Radians, ...], At("orientation.end")]
+    modes: tuple[ModeSummary, ...]
+    ticks_to_converge: Annotated[Count, At("ticks_to_converge.median")]
+    ticks_to_converge_p90: Annotated[Count, At("ticks_to_converge.p90")]
+    contact_force: Annotated[Newtons, At("contact_force.median")]
+    least_contact_force: Annotated[Newtons, At("contact_force.least")]
+    largest_contact_force: Annotated[Newtons, At("contact_force.largest")]
+    object_shift: Annotated[Metres, At("object_shift.median")]
+    largest_object_shift: Annotated[Metres, At("object_shift.largest")]
+    point_error_p50: Annotated[Metres, At("sensing.point_error_p50")]
+    point_error_p95: Annotated[Metres, At("sensing.point_error_p95")]
+    normal_error_p50: Annotated[Radians, At("sensing.normal_error_p50")]
+    normal_error_p95: Annotated[Radians, At("sensing.normal_error_p95")]
+    tare_s: Annotated[Seconds, At("sensing.tare_s")]
+    samples: Annotated[Count, At("samples.median")]
+    probes: Annotated[int, At("probes.total")]
+    trial_s: Annotated[Seconds, At("trial_s.median")]
+    largest_leak: Annotated[Ratio, At("priorities.largest_leak")]
+    leaking_ticks: Annotated[int, At("priorities.ticks_above_1e-6")]
+    levels: Annotated[int, At("priorities.levels")]
+    quality: Quality
+    starts: Starts
+    wall_s: Seconds
+    world_s: Seconds
+    records: tuple[TrialRecord, ...]
+    versions: Mapping[str, str]
+    command: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Its fields, each where it stands in JSON."""
+        whole: dict[str, Any] = {}
+        for name, kind in get_type_hints(Summary, include_extras=True).items():
+            *within, key = next((note for note in get_args(kind) if isinstance(note, At)), name).split(".")
+            part = whole
+            for step in within:
+                part = part.setdefault(step, {})
+            part[key] = plain(getattr(self, name))
+        return whole
+
+    def count(self, outcome: Outcome) -> int:
+        """How many trials ended so."""
+        return self.outcomes.get(outcome.value, 0)
+
+
+def summarised(evidence: Evidence) -> Summary:
+    """The summary of a run."""
     folder, records = evidence.folder, evidence.records
     manifest, spec = folder.manifest, evidence.program.spec
     in_contact = [record for record in records if evidence.touching(record)]
     good = [record for record in records if record.outcome is Outcome.CONVERGED]
-    converged = len(good)
     to_converge = [record.ticks_to_converge for record in records if record.ticks_to_converge is not None]
-    return {
-        "name": manifest.name,
-        "run": str(folder.path),
-        "seed": manifest.seed,
-        "trials": {
-            "asked": manifest.asked,
-            "finished": len(records),
-            "different": int(min(len(records), evidence.program.different_trials)),
-        },
-        "outcomes": dict(Counter(record.outcome.value for record in records).most_common()),
-        "converged": {
-            "share": _share(converged, len(records)),
-            "interval": wilson(converged, len(records)),
-            "means": spec.program[-1].until.model_dump(mode="json"),
-        },
-        "outcome_table": outcome_table(records),
-        "in_contact": {
-            "start": [record.samples > 0 for record in records],
-            "end": [evidence.touching(record) for record in records],
-        },
-        "residuals": {
-            "force": _residual(records, in_contact, "force"),
-            "moment": _residual(records, in_contact, "moment"),
-        },
-        "orientation": {
-            "start": [_known(record.orientation_start) for record in records],
-            "end": [_known(record.orientation_end) for record in records],
-        },
-        "modes": _modes(in_contact),
-        "ticks_to_converge": {"median": _percentile(to_converge, 50), "p90": _percentile(to_converge, 90)},
-        "contact_force": {
-            "median": median(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-            "least": _least(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-            "largest": _largest(f for r in records if r.outcome is Outcome.CONVERGED for f in r.contact_forces),
-        },
-        "object_shift": {
-            "median": median(r.object_shift for r in records),
-            "largest": _largest(r.object_shift for r in records),
-        },
-        "sensing": {
-            "point_error_p50": median(record.point_error[0] for record in records),
-            "point_error_p95": median(record.point_error[1] for record in records),
-            "normal_error_p50": median(record.normal_error[0] for record in records),
-            "normal_error_p95": median(record.normal_error[1] for record in records),
-            "tare_s": median(record.tare_s for record in records),
-        },
-        "samples": {"median": median(float(record.samples) for record in good)},
-        "probes": {"total": sum(record.ticks for record in records) if evidence.program.probes else 0},
-        "trial_s": {"median": median(record.world_s for record in good)},
-        "priorities": {
-            "largest_leak": _largest(record.largest_leak for record in records),
-            "ticks_above_1e-6": sum(record.leaking_ticks for record in records),
-            "levels": max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
-        },
-        "quality": quality(records),
-        "starts": starts_of(evidence.program.spec.trials, records),
-        "wall_s": manifest.wall_s,
-        "world_s": sum(record.world_s for record in records),
-        "records": [_plain(record) for record in records],
-        "versions": dict(manifest.versions),
-        "command": repeating(folder),
-    }
+    forces = [force for record in good for force in record.contact_forces]
+    return Summary(
+        name=manifest.name,
+        run=str(folder.path),
+        seed=manifest.seed,
+        asked=manifest.asked,
+        finished=len(records),
+        different=int(min(len(records), evidence.program.different_trials)),
+        outcomes=dict(Counter(record.outcome.value for record in records).most_common()),
+        converged=len(good) / len(records) if records else None,
+        converged_interval=wilson(len(good), len(records)),
+        converged_means=spec.program[-1].until,
+        outcome_table=tuple(outcome_table(records)),
+        in_contact_start=tuple(record.samples > 0 for record in records),
+        in_contact_end=tuple(evidence.touching(record) for record in records),
+        force=_medians(records, in_contact, "force"),
+        force_squared=_medians(records, in_contact, "force", _square),
+        moment=_medians(records, in_contact, "moment"),
+        moment_squared=_medians(records, in_contact, "moment", _square),
+        orientation_start=tuple(_known(record.orientation_start) for record in records),
+        orientation_end=tuple(_known(record.orientation_end) for record in records),
+        modes=tuple(_modes(in_contact)),
+        ticks_to_converge=_percentile(to_converge, 50),
+        ticks_to_converge_p90=_percentile(to_converge, 90),
+        contact_force=median(forces),
+        least_contact_force=min(_finite(forces), default=None),
+        largest_contact_force=_largest(forces),
+        object_shift=median(record.object_shift for record in records),
+        largest_object_shift=_largest(record.object_shift for record in records),
+        point_error_p50=median(record.point_error[0] for record in records),
+        point_error_p95=median(record.point_error[1] for record in records),
+        normal_error_p50=median(record.normal_error[0] for record in records),
+        normal_error_p95=median(record.normal_error[1] for record in records),
+        tare_s=median(record.tare_s for record in records),
+        samples=median(float(record.samples) for record in good),
+        probes=sum(record.ticks for record in records) if evidence.program.probes else 0,
+        trial_s=median(record.world_s for record in good),
+        largest_leak=_largest(record.largest_leak for record in records),
+        leaking_ticks=sum(record.leaking_ticks for record in records),
+        levels=max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
+        quality=quality(records),
+        starts=starts_of(spec.trials, records),
+        wall_s=manifest.wall_s,
+        world_s=sum(record.world_s for record in records),
+        records=records,
+        versions=dict(manifest.versions),
+        command=repeating(folder),
+    )
 
 
 def repeating(folder: RunFolder) -> str:
@@ -116,54 +210,38 @@ def repeating(folder: RunFolder) -> str:
     return shlex.join(words)
 
 
-def _residual(
-    records: Sequence[TrialRecord], in_contact: Sequence[TrialRecord], kind: Literal["force", "moment"]
-) -> dict[str, Any]:
+def _medians(
+    records: Sequence[TrialRecord],
+    in_contact: Sequence[TrialRecord],
+    kind: Literal["force", "moment"],
+    of: Callable[[float], float] = float,
+) -> Medians:
     start, end = attrgetter(f"{kind}_residual_start"), attrgetter(f"{kind}_residual_end")
-    return {
-        "start": median(map(start, records)),
-        "end": median(map(end, records)),
-        "end_in_contact": median(map(end, in_contact)),
-        "squared": {
-            "start": median(_square(start(record)) for record in records),
-            "end": median(_square(end(record)) for record in records),
-            "end_in_contact": median(_square(end(record)) for record in in_contact),
-        },
-    }
+    return Medians(
+        median(of(start(record)) for record in records),
+        median(of(end(record)) for record in records),
+        median(of(end(record)) for record in in_contact),
+    )
 
 
-def _modes(records: Sequence[TrialRecord]) -> list[dict[str, Any]]:
+def _modes(records: Sequence[TrialRecord]) -> Iterable[ModeSummary]:
     measured = [record for record in records if math.isfinite(record.orientation_end)]
     ends = np.array([record.orientation_end for record in measured])
-    found = []
     for mode in modes(ends):
         members = [measured[i] for i in mode.members]
-        found.append(
-            {
-                "centre": mode.centre,
-                "share": len(members) / len(measured),
-                "of": len(measured),
-                "interval": wilson(len(members), len(measured)),
-                "force_residual": median(record.force_residual_end for record in members),
-                "moment_residual": median(record.moment_residual_end for record in members),
-                "force_squared": median(_square(record.force_residual_end) for record in members),
-                "moment_squared": median(_square(record.moment_residual_end) for record in members),
-                "range": [mode.low, mode.high],
-                "trials": [record.number for record in members],
-                "bandwidth": bandwidth(ends),
-            }
+        yield ModeSummary(
+            centre=mode.centre,
+            share=len(members) / len(measured),
+            of=len(measured),
+            interval=wilson(len(members), len(measured)),
+            force_residual=median(record.force_residual_end for record in members),
+            moment_residual=median(record.moment_residual_end for record in members),
+            force_squared=median(_square(record.force_residual_end) for record in members),
+            moment_squared=median(_square(record.moment_residual_end) for record in members),
+            range=(mode.low, mode.high),
+            trials=tuple(record.number for record in members),
+            bandwidth=bandwidth(ends),
         )
-    return found
-
-
-def _plain(record: TrialRecord) -> dict[str, Any]:
-    plain: dict[str, Any] = {}
-    for name, value in dataclasses.asdict(record).items():
-        if isinstance(value, tuple):
-            plain[name] = [_known(part) if isinstance(part, float) else part for part in value]
-        else:
-            plain[name] = _known(value) if isinstance(value, float) else value
-    return {**plain, "outcome": record.outcome.value}
 
 
 def _square(value: float) -> float:
@@ -182,13 +260,22 @@ def _percentile(values: Sequence[float], percent: float) -> float | None:
     return float(np.percentile(values, percent)) if values else None
 
 
-def _least(values: Iterable[float]) -> float | None:
-    return min(_finite(values), default=None)
-
-
 def _largest(values: Iterable[float]) -> float | None:
     return max(_finite(values), default=None)
 
 
-def _share(part: int, whole: int) -> float | None:
-    return part / whole if whole else None
+def plain(value: Any) -> Any:
+    """Plain data, for JSON: a dataclass by its fields or as its ``as_data`` says; None for what is not finite."""
+    if hasattr(value, "as_data"):
+        return plain(value.as_data())
+    if is_dataclass(value):
+        return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    if isinstance(value, Enum):
+        return value.value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -3,20 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from graspdsl.report.palette import stylesheet
-
-
-@dataclass(frozen=True, slots=True)
-class DrawnFigure:
-    """A figure for a page."""
-
-    svg: Markup
-    caption: str
 
 
 def rendered(template: str, **values: object) -> str:

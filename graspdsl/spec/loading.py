@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, TypeVar, get_args, get_origin
@@ -71,16 +71,21 @@ def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Readi
     return reading
 
 
-def json_schema(worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] = NOTHING) -> dict[str, Any]:
+def json_schema(
+    worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] = NOTHING, grades: Iterable[str] = ()
+) -> dict[str, Any]:
     """The JSON Schema of a spec, for editors.
 
-    ``worlds``, ``mounts``: a line on each that there is, by name; any text may stand there where none are given.
+    ``worlds``, ``mounts``: a line on each that there is, by name; ``grades``: the names of those that there are. Any
+    text may stand where none are given.
     """
     schema = Spec.model_json_schema(by_alias=True)
     for key, known in (("world", worlds), ("mount", mounts)):
         field, lines = schema["$defs"]["Scene"]["properties"][key], [f"{name}: {line}" for name, line in known.items()]
         if known:
             field |= {"enum": list(known), "description": f"{field['description']}; {'; '.join(lines)}"}
+    if names := list(grades):
+        schema["properties"]["evaluate"]["items"] = {"enum": names, "type": "string"}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}
 
 

@@ -64,7 +64,6 @@ Parameter = Annotated[
     Annotated[Value, form("number")] | Annotated[tuple[Value, ...], Field(min_length=1), form("list")],
     forms("a number or a list of numbers", _parameter_form),
 ]
-Grade = Literal["force-closure", "ferrari-canny", "lift", "shake"]
 
 
 class Spec(Model):
@@ -97,7 +96,7 @@ class Spec(Model):
     )
     control: Control = Field(default=Control(), description="how gradients become motion")
     monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
-    evaluate: tuple[Grade, ...] = Field(default=(), description="how the final grasps are graded")
+    evaluate: tuple[str, ...] = Field(default=(), description="how the final grasps are graded")
     trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
 
     def definitions(self) -> dict[str, ControllerDefinition]:

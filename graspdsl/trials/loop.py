@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from graspdsl.compiler.program import Program
-from graspdsl.quality.metric import CRASHED, NO_CONTACTS
+from graspdsl.quality.grade import CRASHED, NO_CONTACTS
 from graspdsl.trials.course import Alone, Course, stages_of
 from graspdsl.trials.evaluation import Evaluation, Quality
 from graspdsl.trials.identity import identities

@@ -11,6 +11,8 @@ from typing import Any, get_type_hints
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import from_json
 
+from graspdsl.quality.grade import Grade
+from graspdsl.quality.grades import GRADES
 from graspdsl.trials.outcomes import OUTCOMES
 from graspdsl.trials.record import LARGEST_VALUE, RejectedStart, TrialRecord
 
@@ -25,33 +27,22 @@ class _Part(BaseModel):
     model_config = ConfigDict(strict=True)
 
 
-class _Closure(_Part):
-    closed: bool
-    reason: str
-
-
 class _Metric(_Part):
     value: float | None
     reason: str
 
 
-class _Metrics(_Part):
-    epsilon: _Metric
-    volume: _Metric
+def _read_of(grade: Grade) -> Any:
+    """The model of what reports read of a grade."""
+    fields: dict[str, Any] = {grade.passed: (bool, ...), "reason": (str, ...)} if grade.passed else {}
+    fields |= {quantity.key: (_Metric, ...) for quantity in grade.quantities}
+    return create_model("_Grade", __base__=_Part, **fields)
 
 
-class _Held(_Part):
-    kept: bool
-    reason: str
-
-
-class _Grades(_Part):
-    """What reports read of the grades of a grasp."""
-
-    force_closure: _Closure | None = Field(default=None, alias="force-closure")
-    ferrari_canny: _Metrics | None = Field(default=None, alias="ferrari-canny")
-    lift: _Held | None = None
-    shake: _Held | None = None
+_GRADES: dict[str, Any] = {
+    grade.key: (_read_of(grade) | None, Field(default=None, alias=name)) for name, grade in GRADES.items()
+}
+_Grades = create_model("_Grades", __base__=_Part, **_GRADES)
 
 
 class _Rejected(_Part):

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
 from graspdsl.cli.app import app
-from graspdsl.cli.tables import row, table, text_of
+from graspdsl.cli.tables import laid_out, text_of
+from graspdsl.report.tables import Column, Table
 from graspdsl.trials.identity import identities
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import RunFolder
@@ -230,8 +231,7 @@ def test_what_steers_a_terminal_is_shown_and_not_done(copied: Path) -> None:
 
 
 def test_tables_show_text_only() -> None:
-    side = table("a\x1b[2Jtitle", "a\x1b[2Jcolumn")
-    row(side, "a\x1b[2Jcell")
+    side = laid_out(Table("a\x1b[2Jtitle", (Column("a\x1b[2Jcolumn"),), (("a\x1b[2Jcell",),)))
     side.caption = "a\x1b[2Jcaption"
     text = text_of(["a\x1b[2Jline", Text("a\x1b[2Jtext"), side], "a\x1b[2Jcommand")
     assert text.count("\ufffd[2J") == 7

@@ -19,7 +19,7 @@ from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.report.comparison import comparison
 from graspdsl.report.evidence import gathered
-from graspdsl.report.summary import numbers_of
+from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 
@@ -73,7 +73,8 @@ def test_every_garbled_run_is_read_or_refused(whole: RunFolder, tmp_path: Path) 
         try:
             folder = opened(place)
             evidence = gathered(folder)
-            json.dumps([numbers_of(evidence), comparison([whole, folder])], allow_nan=False)
+            runs = [(run, summarised(run)) for run in (gathered(whole), evidence)]
+            json.dumps(plain([runs[1][1], comparison(runs)]), allow_nan=False)
             lost = {record.number for record in evidence.records} - evidence.courses.keys()
             assert lost == {0, 1} - {record.number for record in folder.finished()}
         except (InputError, DiagnosticError):

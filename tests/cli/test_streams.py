@@ -108,10 +108,14 @@ def _on_a_terminal(columns: int, *words: str | Path, cwd: Path, env: dict[str, s
 @pytest.mark.parametrize("columns", [30, 80])
 def test_progress_stays_on_one_line(columns: int, tmp_path: Path) -> None:
     text = _on_a_terminal(columns, "run", SPEC, "--trials", "2", "--workers", "1", cwd=tmp_path)
-    (line,) = [line for line in text.split("\n") if "\x1b[K" in line]
-    states = line.split("\r\x1b[K")[1:]
-    assert [state.split()[1] for state in states] == ["0/2", "1/2", "2/2"]
-    assert max(map(len, states)) < columns
+    (line,) = [line for line in text.split("\n") if "/2" in line]
+    states = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", state) for state in line.split("\r\x1b[2K")]
+    counts = [next(word for word in state.split() if "/2" in word) for state in states]
+    assert list(dict.fromkeys(counts)) == ["0/2", "1/2", "2/2"]
+    assert max(map(len, states)) <= columns
+    before = [state for state, count in zip(states, counts, strict=True) if count == "0/2"]
+    assert len(set(before)) > 3  # a sign of life before the first trial ends
+    assert text.count("\x1b[?25l") == text.count("\x1b[?25h")  # the cursor is there again
 
 
 def test_colours_only_where_wanted(tmp_path: Path) -> None:

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from graspdsl.compiler.program import program_of
-from graspdsl.quality.lift_and_shake import Handling
-from graspdsl.quality.motions import rise, sway
-from graspdsl.quality.squeeze import balanced_forces
+from graspdsl.quality.carrying import balanced_forces
+from graspdsl.quality.lift_and_shake import Handling, rise, sway
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.setup import trial_loop
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 
 from graspdsl.arrays import Array
 from graspdsl.quality.contact_models import (
@@ -14,8 +13,6 @@ from graspdsl.quality.contact_models import (
     FrictionlessPoint,
     HardPoint,
     SoftFinger,
-    patch_radius,
-    torsional_coefficient,
 )
 from graspdsl.quality.wrench_space import contact_frames, wrench_space
 from quality.grasps import antipodal, random_contacts, ring
@@ -48,21 +45,6 @@ def test_coefficients_and_edges_that_make_no_sense(friction: float, edges: int) 
 def test_a_negative_torsional_coefficient() -> None:
     with pytest.raises(ValueError, match="torsional"):
         SoftFinger(0.5, -1e-3)
-
-
-def test_the_torsional_coefficient_is_the_moment_of_hertz_pressure() -> None:
-    friction, radius = 0.4, 0.003
-    force, _ = quad(lambda share: share * math.sqrt(1.0 - share**2), 0.0, 1.0)
-    moment, _ = quad(lambda share: share**2 * math.sqrt(1.0 - share**2), 0.0, 1.0)
-    assert torsional_coefficient(friction, radius) == pytest.approx(friction * radius * moment / force, rel=1e-6)
-
-
-def test_the_patch_of_a_soft_tip() -> None:
-    """The circle in which a sphere cuts a plane has twice Hertz's a², for small indentations."""
-    force, stiffness, radius = 0.5, 1500.0, 0.0115
-    indentation = force / stiffness
-    cut_squared = radius**2 - (radius - indentation) ** 2
-    assert patch_radius(force, stiffness, radius) ** 2 == pytest.approx(cut_squared / 2.0, rel=0.02)
 
 
 @pytest.mark.parametrize("model", [HardPoint(0.6), SoftFinger(0.6, 0.004)])

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from stored_runs import stored_run
 
-from graspdsl.report.comparison import comparison
-from graspdsl.report.comparison_tables import tables_of
-from graspdsl.report.differences import UNPAIRED_MEDIANS, UNPAIRED_SHARES
+from graspdsl.report.comparison import Comparison, comparison_tables
+from graspdsl.report.comparison import comparison as comparison_of
+from graspdsl.report.evidence import gathered
+from graspdsl.report.statistics import UNPAIRED_MEDIANS, UNPAIRED_SHARES
+from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
 from graspdsl.trials.store import RunFolder
@@ -29,6 +33,16 @@ def composite(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     )
 
 
+def compared(folders: Sequence[RunFolder]) -> Comparison:
+    """The comparison of runs."""
+    return comparison_of([(evidence, summarised(evidence)) for evidence in map(gathered, folders)])
+
+
+def comparison(folders: Sequence[RunFolder]) -> Any:
+    """The comparison of runs as JSON has it."""
+    return plain(compared(folders))
+
+
 def test_a_run_equals_itself(composite: RunFolder) -> None:
     """Every ratio is one with an interval of no width, and every trial is a pair."""
     [against] = comparison([composite, composite])["against_first"]
@@ -36,9 +50,9 @@ def test_a_run_equals_itself(composite: RunFolder) -> None:
     assert against["paired"]
     assert against["orientation_difference"] == 0.0
     for ratio in against["ratios"].values():
-        assert (ratio["value"], ratio["interval"]) == (1.0, (1.0, 1.0))
+        assert (ratio["value"], ratio["interval"]) == (1.0, [1.0, 1.0])
     for difference in against["differences"].values():
-        assert (difference["value"], difference["interval"]) == (0.0, (0.0, 0.0))
+        assert (difference["value"], difference["interval"]) == (0.0, [0.0, 0.0])
     low, high = against["converged"]["interval"]
     assert against["converged"]["value"] == 0.0
     assert low == -high
@@ -68,9 +82,11 @@ def test_a_ratio_without_an_upper_end_is_said_and_stored(composite: RunFolder, t
     numbers = comparison([free, composite])
     ratio = json.loads(json.dumps(numbers, allow_nan=False))["against_first"][0]["ratios"]["world_s"]
     assert ratio["interval"][1] is None
-    [*_, against] = tables_of(numbers)
-    [row] = [row for row in against.rows if row[0].startswith("time of a trial") and row[0].endswith("ratio")]
-    assert row[1].endswith("to ∞")
+    [*_, against] = comparison_tables(compared([free, composite]))
+    [row] = [
+        row for row in against.cells() if row[0].text.startswith("time of a trial") and row[0].text.endswith("ratio")
+    ]
+    assert row[1].text.endswith("to ∞")
 
 
 def test_runs_of_other_seeds_are_not_paired(composite: RunFolder, tmp_path: Path) -> None:

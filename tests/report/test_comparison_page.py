@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,30 +10,41 @@ import pytest
 from stored_runs import stored_run
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.report.comparison import comparison
-from graspdsl.report.comparison_figures import Side, convergence_figure, orientation_figure, residual_figure
-from graspdsl.report.comparison_page import FIGURES, write_comparison
-from graspdsl.report.comparison_tables import methods_of, tables_of
-from graspdsl.report.evidence import gathered
-from graspdsl.trials.store import RunFolder
+from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
+from graspdsl.report.comparison_page import (
+    FIGURES,
+    Side,
+    convergence_figure,
+    orientation_figure,
+    residual_figure,
+    write_comparison,
+)
+from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.summary import summarised
 from report.reader import Reader
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunFolder]:
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Evidence]:
     """One that converges, one that mostly does not, one that never began; in folders with names to be escaped."""
     place = tmp_path_factory.mktemp("<i>&")
-    return [
+    folders = [
         stored_run(place / "<script>", SPECS / "moment_subject_to_force.yaml", "trials.count=8"),
         stored_run(place / "b", SPECS / "cstar.yaml", "trials.count=4", "about=a <b>"),
         stored_run(place / "c", SPECS / "cstar.yaml", begun=False),
     ]
+    return [gathered(folder) for folder in folders]
 
 
-def test_the_page_holds_all_and_needs_no_other_file(runs: list[RunFolder], tmp_path: Path) -> None:
-    numbers = comparison(runs)
+def compared(runs: list[Evidence]) -> Comparison:
+    """The comparison of runs."""
+    return comparison([(evidence, summarised(evidence)) for evidence in runs])
+
+
+def test_the_page_holds_all_and_needs_no_other_file(runs: list[Evidence], tmp_path: Path) -> None:
+    numbers = compared(runs)
     write_comparison(tmp_path / "out", runs, numbers)
     page = (tmp_path / "out" / "compare.html").read_text("utf-8")
     reader = Reader()
@@ -45,17 +55,17 @@ def test_the_page_holds_all_and_needs_no_other_file(runs: list[RunFolder], tmp_p
     assert not re.search(r"url\((?!#)|@import|<script", page)
     assert "<script>" in reader.text  # the name of a folder, as text
     assert reader.text.count("2: compare-cstar, about=a <b>") == len(FIGURES)  # and a setting, in each legend
-    for table in tables_of(numbers):
+    for table in comparison_tables(numbers):
         assert table.title in reader.text
-        assert all(cell in reader.text for row in table.rows for cell in row)
+        assert all(cell.text in reader.text for row in table.cells() for cell in row)
     assert all(method in reader.text for method in methods_of(numbers))
     assert "prefers-color-scheme: dark" in page
     with pytest.raises(DiagnosticError, match="not empty"):
         write_comparison(tmp_path / "out", runs, numbers)
 
 
-def test_the_same_comparison_gives_the_same_files(runs: list[RunFolder], tmp_path: Path) -> None:
-    numbers = comparison(runs)
+def test_the_same_comparison_gives_the_same_files(runs: list[Evidence], tmp_path: Path) -> None:
+    numbers = compared(runs)
     for name in ("a", "b"):
         write_comparison(tmp_path / name, runs, numbers)
     files = sorted(file.name for file in (tmp_path / "a").iterdir())
@@ -64,19 +74,19 @@ def test_the_same_comparison_gives_the_same_files(runs: list[RunFolder], tmp_pat
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
-def test_tables_have_a_cell_for_each_run(runs: list[RunFolder]) -> None:
-    for table in tables_of(comparison(runs)):
+def test_tables_have_a_cell_for_each_run(runs: list[Evidence]) -> None:
+    for table in comparison_tables(compared(runs)):
         assert all(len(row) == len(table.columns) for row in table.rows)
         assert len(table.columns) in (len(runs), len(runs) + 1)  # a name, and all runs or all but the first
 
 
-def test_figures_show_what_the_runs_did(runs: list[RunFolder]) -> None:
+def test_figures_show_what_the_runs_did(runs: list[Evidence]) -> None:
     """Curves end where the numbers say: the share converged, the mean residual of the last rows."""
-    sides = [Side(f"run {place}", gathered(folder)) for place, folder in enumerate(runs)]
+    sides = [Side(f"run {place}", evidence) for place, evidence in enumerate(runs)]
     curves = convergence_figure(sides).axes[0].get_lines()
-    numbers = comparison(runs)["runs"]
+    numbers = compared(runs).runs
     for curve, column in zip(curves, numbers, strict=True):
-        assert np.asarray(curve.get_ydata())[-1] == pytest.approx(100.0 * (column["share"] or 0.0))
+        assert np.asarray(curve.get_ydata())[-1] == pytest.approx(100.0 * (column.summary.converged or 0.0))
     for curve, side in zip(residual_figure(sides).axes[0].get_lines(), sides[:2], strict=False):
         ends = [record.force_residual_end for record in side.evidence.records]
         starts = [course.force[0] for course in side.evidence.courses.values()]
@@ -86,8 +96,8 @@ def test_figures_show_what_the_runs_did(runs: list[RunFolder]) -> None:
         assert np.trapezoid(curve.get_ydata(), curve.get_xdata()) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_runs_with_nothing_are_drawn(runs: list[RunFolder]) -> None:
+def test_runs_with_nothing_are_drawn(runs: list[Evidence]) -> None:
     """No finished trial at all: figures without curves, no complaint."""
-    side = Side("nothing", replace(gathered(runs[2])))
+    side = Side("nothing", runs[2])
     for draw, _ in FIGURES.values():
         assert len(draw([side, side]).axes) >= 1

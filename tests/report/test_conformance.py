@@ -11,9 +11,10 @@ import pytest
 from scipy import stats
 from stored_runs import stored_run
 
-from graspdsl.report.conformance import Claim, claims_of
-from graspdsl.report.evidence import gathered
+from graspdsl.report.claims import Claim, claims_of
+from graspdsl.report.evidence import Evidence, gathered
 from graspdsl.report.judgements import Verdict
+from graspdsl.report.summary import summarised
 from report.hand_made import HandMade, evidence
 
 AGREES, DIFFERS, UNTOLD = Verdict
@@ -39,10 +40,15 @@ Point = tuple[int, str]  # of the chapter: an experiment and words of what it sa
 Trials = list[HandMade]
 
 
+def claims_of_run(run: Evidence) -> list[Claim]:
+    """The claims of a run."""
+    return claims_of(run, summarised(run))
+
+
 def claim(point: Point, trials: Sequence[HandMade]) -> Claim:
     """What trials say of a point."""
     experiment, words = point
-    [found] = [found for found in claims_of(evidence(experiment, trials)) if words in found.says]
+    [found] = [found for found in claims_of_run(evidence(experiment, trials)) if words in found.says]
     return found
 
 
@@ -221,7 +227,7 @@ def test_trials_out_of_contact_do_not_count() -> None:
 def test_no_trials_tell_nothing() -> None:
     points = []
     for experiment in range(1, 5):
-        for found in claims_of(evidence(experiment, [])):
+        for found in claims_of_run(evidence(experiment, [])):
             assert found.verdict is UNTOLD
             assert found.needed is not None
             assert found.why.startswith("0 such trials")
@@ -263,4 +269,4 @@ def test_every_claim_says_its_bound() -> None:
 
 def test_a_run_of_something_else_has_no_claims(tmp_path: Path) -> None:
     spec = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
-    assert claims_of(gathered(stored_run(tmp_path / "other", spec, begun=False))) == []
+    assert claims_of_run(gathered(stored_run(tmp_path / "other", spec, begun=False))) == []

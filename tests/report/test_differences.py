@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from graspdsl.report.differences import (
+from graspdsl.report.statistics import (
+    FEWEST,
     Estimate,
     difference_of_medians,
     difference_of_paired_shares,
     difference_of_shares,
     ratio_of_medians,
 )
-from graspdsl.report.intervals import FEWEST
 
 # Successes and trials of two samples, with the interval of Newcombe 1998, Stat. Med. 17:873, Table II, method 10.
 UNPAIRED = [

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.report.conformance import EXPERIMENTS
+from graspdsl.report.claims import EXPERIMENTS
 from graspdsl.report.experiment_setups import SETUPS, departure
 
 SPECS = {path.stem[0]: path for path in (Path(__file__).parents[2] / "specs" / "experiments").glob("*.yaml")}

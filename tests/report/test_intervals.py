@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from graspdsl.report.intervals import (
+from graspdsl.report.statistics import (
     FEWEST,
     RESAMPLES,
     drawn_again,

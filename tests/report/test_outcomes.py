@@ -18,7 +18,7 @@ def ended(number: int, detail: str) -> TrialRecord:
 def said(*details: str) -> list[tuple[str, list[int]]]:
     """The entries of trials with these details."""
     [row] = outcome_table([ended(number, detail) for number, detail in enumerate(details)])
-    return [(entry["detail"], entry["trials"]) for entry in row["details"]]
+    return [(entry.detail, list(entry.trials)) for entry in row.details]
 
 
 def test_unmet_conditions_are_grouped_by_what_was_unmet_the_commonest_first() -> None:

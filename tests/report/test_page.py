@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,15 +15,19 @@ from scipy import stats
 from stored_runs import stored_run
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.report import page_figures
+from graspdsl.report import figures
+from graspdsl.report.claims import Claim
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.judgements import Verdict
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.page import FIGURES, PAGE, page, write_report
-from graspdsl.report.page_quality import quality_tables
+from graspdsl.report.page import FIGURES, PAGE, drawings_of
+from graspdsl.report.page import page as page_of
+from graspdsl.report.page import write_report as write_report_of
 from graspdsl.report.quality import quality
+from graspdsl.report.run_tables import quality_tables
 from graspdsl.report.statistics import wilson
-from graspdsl.report.summary import numbers_of
+from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
 from report.reader import Reader
@@ -44,6 +49,17 @@ def floating(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     return evidence_of(tmp_path_factory.mktemp("a") / "run", FLOATING, "trials.count=8")
 
 
+def page(evidence: Evidence, **shown: Any) -> str:
+    """The page of a run."""
+    summary = summarised(evidence)
+    return page_of(evidence, summary, drawings_of(evidence, summary), **shown)
+
+
+def write_report(evidence: Evidence) -> Path:
+    """The page of a run and its figures, written."""
+    return write_report_of(evidence, summarised(evidence))
+
+
 def read(text: str) -> Reader:
     """A page, which must be whole: every element closed, every link within it, nothing from elsewhere."""
     reader = Reader()
@@ -63,7 +79,7 @@ def lowered(text: str) -> str:
 
 
 def test_the_page_says_whether_it_worked_and_where_grasps_ended(floating: Evidence) -> None:
-    numbers, text = numbers_of(floating), read(page(floating)).text
+    numbers, text = plain(summarised(floating)), read(page(floating)).text
     good = numbers["outcomes"]["converged"]
     low, high = wilson(good, 8)
     assert f"{good} of 8 trials converged: {good / 8:.0%}".replace("%", " %") in text
@@ -170,7 +186,7 @@ def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: E
     text = read(page(evidence)).text
     assert "1 trial (a contact did not touch at the end)" in text
     assert "1 trial (nothing was recorded of the end, or its trajectory cannot be read)" in text
-    found = page_figures.drawn_funnel(evidence, numbers_of(evidence))
+    found = figures.drawn_funnel(evidence, summarised(evidence))
     assert found is not None
     assert "after it, 6 trials" in found.svg
 
@@ -212,19 +228,12 @@ def test_a_picture_of_a_trial_for_each_outcome(floating: Evidence) -> None:
     assert whole.count("<img") == 1
     assert f'src="data:image/png;base64,{base64.b64encode(PICTURE).decode()}"' in whole
     assert f"{outcome}: trial {record.number} at its end" in read(whole).text
-    assert len(others) == len(numbers_of(floating)["outcomes"]) - 1
+    assert len(others) == len(summarised(floating).outcomes) - 1
 
 
 def test_claims_are_shown_with_what_was_measured(floating: Evidence) -> None:
-    row = {
-        "experiment": "experiment-1",
-        "says": "<1> one mode",
-        "bound": "90 %",
-        "measured": "two",
-        "verdict": "differs",
-        "why": "friction",
-    }
-    others = [{**row, "verdict": verdict} for verdict in ("agrees", "cannot be told")]
+    row = Claim("experiment-1", "<1> one mode", "90 %", "two", Verdict.DIFFERS, why="friction")
+    others = [dataclasses.replace(row, verdict=verdict) for verdict in (Verdict.AGREES, Verdict.UNTOLD)]
     text = read(page(floating, claims=[row, *others])).text
     assert "<1> one mode 90 % two ✗ differs friction" in re.sub(r"(?<=[>a-z%])(?=90|two|✗|friction)", " ", text)
     assert all(mark in text and mark not in page(floating) for mark in ("✓ agrees", "? cannot be told"))
@@ -242,21 +251,21 @@ def test_quality_is_shown_side_by_side(floating: Evidence) -> None:
     )
     counted = quality(records)
     verdicts, together, by_outcome = quality_tables(counted)
-    assert [[cell.text for cell in row][:3] for row in verdicts.rows] == [
+    assert [[cell.text for cell in row][:3] for row in verdicts.cells()] == [
         ["force closure", "3", "4"],
         ["lift", "2", "4"],
     ]
-    assert [row[-1].text for row in verdicts.rows] == ["<no contact> (1)", "slipped (2)"]
-    assert sum(int(row[-1].text) for row in together.rows) == 4
-    assert {row[1].text + row[2].text for row in together.rows} == {"yesyes", "yesno", "nono"}
-    assert sum(int(row[1].text) for row in by_outcome.rows) == 4
+    assert [row[-1].text for row in verdicts.cells()] == ["<no contact> (1)", "slipped (2)"]
+    assert sum(int(row[-1].text) for row in together.cells()) == 4
+    assert {row[1].text + row[2].text for row in together.cells()} == {"yesyes", "yesno", "nono"}
+    assert sum(int(row[1].text) for row in by_outcome.cells()) == 4
     text = read(page(dataclasses.replace(floating, records=records))).text
     assert "Quality of the final grasps" in text
     assert "<no contact> (1)" in text
 
 
 def test_what_was_not_graded_has_no_table() -> None:
-    assert quality_tables({}) == []
+    assert quality_tables(quality([])) == []
 
 
 def test_users_text_in_figures_is_no_notation() -> None:

@@ -10,8 +10,11 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 from stored_runs import stored_run
 
+from graspdsl.report.claims import Claim
 from graspdsl.report.evidence import gathered
+from graspdsl.report.judgements import Verdict
 from graspdsl.report.page import FIGURES, write_report
+from graspdsl.report.summary import summarised
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "compare" / "moment_subject_to_force.yaml"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -35,8 +38,9 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a run, some of whose trials do not converge, with scripts where texts should be."""
     settings = ("trials.count=12", "program.0.limit=1.1", f"about={SAID}", f"scene.object.name={SAID}")
     folder = stored_run(tmp_path_factory.mktemp("page") / "run", SPEC, *settings)
-    claim = {"experiment": 1, "says": "x " * 60, "bound": "b", "measured": "y", "verdict": "agrees", "why": "z " * 60}
-    return write_report(gathered(folder), claims=[claim])
+    claim = Claim("one", "x " * 60, "b", "y", Verdict.AGREES, why="z " * 60)
+    evidence = gathered(folder)
+    return write_report(evidence, summarised(evidence), claims=[claim])
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
-from graspdsl.report.quality import quality
+from graspdsl.report.quality import quality as quality_of
 from graspdsl.report.statistics import wilson
+from graspdsl.report.summary import plain
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -34,6 +36,11 @@ def _graded(outcome: Outcome, closed: bool, epsilon: float | None, lifted: bool,
     )
 
 
+def quality(records: Sequence[TrialRecord]) -> Any:
+    """The block as JSON has it."""
+    return plain(quality_of(records))
+
+
 RECORDS = [
     _graded(Outcome.CONVERGED, True, 0.2, True, True),
     _graded(Outcome.CONVERGED, True, 0.4, True, False),
@@ -52,11 +59,11 @@ def test_shares_medians_and_reasons() -> None:
     found = quality(RECORDS)
     closure = found["force_closure"]
     assert (closure["closed"], closure["of"], closure["share"]) == (3, 5, 0.6)
-    assert closure["interval"] == wilson(3, 5)
+    assert closure["interval"] == list(wilson(3, 5))
     assert closure["reasons"] == {"wrenches span 5 of 6 dimensions": 2}
     assert found["ferrari_canny"]["epsilon"] == {"median": pytest.approx(0.15), "of": 4}
     assert (found["lift"]["kept"], found["lift"]["of"], found["lift"]["reasons"]) == (4, 5, {"slipped": 1})
-    assert (found["shake"]["kept"], found["shake"]["interval"]) == (2, wilson(2, 5))
+    assert (found["shake"]["kept"], found["shake"]["interval"]) == (2, list(wilson(2, 5)))
 
 
 def test_three_verdicts_side_by_side() -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import pytest
 
-from graspdsl.report.start_selection import starts_of
+from graspdsl.report.start_selection import starts_of as starts
+from graspdsl.report.summary import plain
 from graspdsl.spec.trials import Trials
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord
@@ -26,6 +29,11 @@ def record(number: int, start: dict[str, float], rejected: tuple[RejectedStart, 
         point_error=none,
         normal_error=none,
     )
+
+
+def starts_of(asked: Trials, records: Sequence[TrialRecord]) -> Any:
+    """What became of starts, as JSON has it."""
+    return plain(starts(asked, records))
 
 
 def trials(**start: object) -> Trials:

@@ -15,8 +15,8 @@ from trials.whole import whole_rows
 from graspdsl.arrays import Float32Array
 from graspdsl.cli.tables import summary_text
 from graspdsl.report.evidence import gathered
-from graspdsl.report.page_words import notes
-from graspdsl.report.summary import numbers_of, repeating, summary
+from graspdsl.report.page import notes
+from graspdsl.report.summary import plain, repeating, summarised
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
@@ -25,6 +25,11 @@ SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 
 Build = Callable[..., RunFolder]
 REJECTED = tuple(RejectedStart({}, reason) for reason in ("it rains", "it snows", "it rains", "it rains"))
+
+
+def _numbers(folder: RunFolder) -> Any:
+    """The numbers of a run as JSON has them."""
+    return plain(summarised(gathered(folder)))
 
 
 def _record(number: int, **values: Any) -> TrialRecord:
@@ -67,7 +72,7 @@ def build(tmp_path: Path) -> Build:
 
 
 def test_a_run_without_trials(build: Build) -> None:
-    numbers = summary(build())
+    numbers = _numbers(build())
     assert json.loads(json.dumps(numbers, allow_nan=False))["trials"] == {"asked": 5, "finished": 0, "different": 0}
     assert (numbers["outcomes"], numbers["modes"], numbers["records"]) == ({}, [], [])
     assert numbers["converged"]["share"] is None
@@ -86,7 +91,7 @@ def test_what_was_not_measured_is_left_out_of_medians_and_modes(build: Build) ->
         _record(number, orientation_end=1.5, force_residual_end=residual, moment_residual_end=0.002)
         for number, residual in ((0, 0.02), (2, 0.08), (3, 0.03))
     ]
-    numbers = summary(build(lost, *ends))
+    numbers = _numbers(build(lost, *ends))
     assert "NaN" not in json.dumps(numbers, allow_nan=False)
     assert numbers["orientation"]["end"] == [1.5, None, 1.5, 1.5]
     assert numbers["residuals"]["force"]["end"] == 0.03
@@ -103,7 +108,7 @@ def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> 
     lost = _record(2, outcome=OUTCOMES["contact-lost"], orientation_end=0.3, force_residual_end=0.9)
     folder = build(*(_record(number, orientation_end=1.5, force_residual_end=0.03) for number in (0, 1, 3)), lost)
     folder.trajectory_file(3).unlink()
-    numbers = summary(folder)
+    numbers = _numbers(folder)
     assert numbers["in_contact"]["end"] == [True, True, False, None]
     assert [mode["trials"] for mode in numbers["modes"]] == [[0, 1]]
     assert numbers["residuals"]["force"]["end_in_contact"] == 0.03
@@ -111,14 +116,14 @@ def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> 
 
 
 def test_records_stand_by_number_whatever_the_order_they_came_in(build: Build) -> None:
-    numbers = summary(build(*(_record(number, orientation_start=number / 10) for number in (3, 0, 2, 1))))
+    numbers = _numbers(build(*(_record(number, orientation_start=number / 10) for number in (3, 0, 2, 1))))
     assert numbers["orientation"]["start"] == [0.0, 0.1, 0.2, 0.3]
 
 
 def test_ticks_and_forces_are_of_converged_trials(build: Build) -> None:
     slow = [_record(number, ticks_to_converge=10 * number) for number in range(11)]
     lost = _record(11, outcome=OUTCOMES["contact-lost"], contact_forces=(9.0, 0.0))
-    numbers = summary(build(*slow, lost, asked=12))
+    numbers = _numbers(build(*slow, lost, asked=12))
     assert numbers["ticks_to_converge"] == {"median": 50.0, "p90": 90.0}
     assert numbers["contact_force"] == {"median": 0.45, "least": 0.4, "largest": 0.5}
     assert numbers["converged"]["share"] == 11 / 12
@@ -138,14 +143,14 @@ def test_trials_that_repeat_others_are_told_beside_the_share(
     """On a terminal and on the page."""
     folder = build(*(_record(number) for number in range(4)), overrides=(f"trials.start={start}",))
     evidence = gathered(folder)
-    numbers = numbers_of(evidence)
-    assert numbers["trials"]["different"] == different
-    for text in (" ".join(summary_text(numbers).split()), " ".join(notes(evidence, numbers))):
+    summary = summarised(evidence)
+    assert summary.different == different
+    for text in (" ".join(summary_text(summary).split()), " ".join(notes(evidence, summary))):
         assert said in text if said else "differ" not in text
 
 
 def test_what_converged_means_follows_the_settings(build: Build) -> None:
-    numbers = summary(build(overrides=("program.1.until={force_residual: 0.2}",)))
+    numbers = _numbers(build(overrides=("program.1.until={force_residual: 0.2}",)))
     assert numbers["converged"]["means"] == {
         "contact": None,
         "force_residual": 0.2,

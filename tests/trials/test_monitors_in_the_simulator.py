@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from graspdsl.compiler.program import program_of
-from graspdsl.quality.metric import CRASHED
+from graspdsl.quality.grade import CRASHED
 from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord

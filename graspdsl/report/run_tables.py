@@ -1,0 +1,377 @@
+"""The tables of a run: those of its page, and those in brief for a console."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from graspdsl.report.claims import Claim
+from graspdsl.report.quality import Confusion, GradeSummary, Quality
+from graspdsl.report.start_selection import StartNumber
+from graspdsl.report.summary import ModeSummary, Summary
+from graspdsl.report.tables import (
+    COUNT,
+    INTERVAL,
+    MILLIMETRES,
+    REASONS,
+    SHARE,
+    TEXT,
+    Column,
+    Format,
+    Table,
+    Value,
+    fixed,
+    reasons_named,
+    scaled,
+    squared,
+    trials_named,
+)
+from graspdsl.report.wording import counted, percent, percents, quantiles
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.record import TrialRecord
+
+MOST_ROWS = 5000  # trials that a page lists
+
+RADIANS, RESIDUAL, NEWTONS = fixed(2, "rad"), fixed(3), fixed(2, "N")
+MILLIMETRES_FINELY, DEGREES = fixed(2, "mm", 1e3), fixed(2, "°", math.degrees(1.0))
+SQUARED, SQUARED_MILLIMETRES = squared(), squared("mm²", 1e6)
+WHOLE, LEAK, SECONDS = fixed(0), scaled(".0e"), fixed(1, "s")
+SHARES = (Column("trials", COUNT), Column("share", SHARE), Column("95 % interval", INTERVAL))
+
+
+def brief_tables(summary: Summary) -> list[Table]:
+    """What a console shows of a run."""
+    reasons, graded = unconverged_table(summary), bool(summary.quality.grades)
+    selected = [rejected_table(summary), kept_table(summary)] if summary.starts.rejected else []
+    return [
+        outcomes_table(summary).first(4),
+        *(table for table in (reasons, *selected) if table.rows),
+        brief_modes_table(summary),
+        measured_table(summary),
+        *([brief_quality_table(summary.quality)] if graded else []),
+    ]
+
+
+def outcomes_table(summary: Summary) -> Table:
+    """How trials ended, what that means, and what was said of them."""
+    columns = (Column("outcome"), *SHARES, Column("meaning"), Column("details"))
+    rows = tuple(
+        (
+            entry.outcome,
+            entry.count,
+            entry.share,
+            entry.interval,
+            entry.means,
+            "; ".join(f"{said.detail} (trial {trials_named(said.trials)})" for said in entry.details),
+        )
+        for entry in summary.outcome_table
+    )
+    return Table("How trials ended", columns, rows)
+
+
+def unconverged_table(summary: Summary) -> Table:
+    """What was said most often of each outcome but convergence."""
+    return reasons_table(
+        "Why trials did not converge, mostly",
+        [
+            (entry.outcome, entry.details[0].detail, len(entry.details[0].trials), entry.count)
+            for entry in summary.outcome_table
+            if entry.outcome != Outcome.CONVERGED.value and entry.details
+        ],
+    )
+
+
+def reasons_table(title: str, reasons: Sequence[tuple[str, str, int, int]]) -> Table:
+    """Outcomes, each with what was said most often, of how many, and how many there are."""
+    rows = tuple(
+        (outcome, said if count == whole else f"{said} ({count} of {whole})") for outcome, said, count, whole in reasons
+    )
+    return Table(title, (Column("outcome"), Column("what was said")), rows)
+
+
+def modes_table(summary: Summary) -> Table:
+    """The modes of the end orientation, each with the medians of its trials."""
+    columns = (
+        Column("mode", Format(lambda rank: f"mode {rank}")),
+        Column("peak", RADIANS),
+        *SHARES,
+        Column("‖ρ_f‖", RESIDUAL),
+        Column("ε_f = ‖ρ_f‖²", SQUARED),
+        Column("‖ρ_m‖", MILLIMETRES),
+        Column("ε_m = ‖ρ_m‖²", SQUARED_MILLIMETRES),
+    )
+    rows = tuple(
+        (rank, *_shares(mode), mode.force_residual, mode.force_squared, mode.moment_residual, mode.moment_squared)
+        for rank, mode in enumerate(summary.modes, 1)
+    )
+    return Table("Modes of the end orientation", columns, rows, "Residuals: medians over a mode's trials.")
+
+
+def brief_modes_table(summary: Summary) -> Table:
+    """The modes with fewer columns."""
+    columns = (
+        Column("orientation", RADIANS, left=True),
+        *SHARES,
+        Column("‖ρ_f‖", RESIDUAL),
+        Column("‖ρ_m‖", MILLIMETRES),
+    )
+    rows = tuple((*_shares(mode), mode.force_residual, mode.moment_residual) for mode in summary.modes)
+    base = summary.modes[0].of if summary.modes else summary.in_contact_end.count(True)
+    note = f"of {counted(base, 'trial', 'trials')} whose contacts all touched at the end"
+    return Table("Where grasps ended: modes of orientation, with medians", columns, rows, note)
+
+
+def _shares(mode: ModeSummary) -> tuple[object, ...]:
+    return mode.centre, len(mode.trials), mode.share, mode.interval
+
+
+def residuals_table(summary: Summary) -> Table:
+    """Residuals and squared errors before and after, medians over trials."""
+    rows = tuple(
+        (label, *(Value(end, form) for end in (found.start, found.end, found.end_in_contact)))
+        for label, found, form in (
+            ("force residual ‖ρ_f‖", summary.force, RESIDUAL),
+            ("ε_f = ‖ρ_f‖²", summary.force_squared, SQUARED),
+            ("moment residual ‖ρ_m‖ (mm)", summary.moment, MILLIMETRES),
+            ("ε_m = ‖ρ_m‖² (mm²)", summary.moment_squared, SQUARED_MILLIMETRES),
+        )
+    )
+    names = ("start", "end", "end, all contacts touching")
+    columns = (Column("median over trials"), *(Column(name, TEXT) for name in names))
+    return Table("Residuals at start and end", columns, rows)
+
+
+def measured_table(summary: Summary) -> Table:
+    """What was measured, start and end."""
+    force, moment = summary.force, summary.moment
+    start, end = _range(summary.orientation_start), _range(summary.orientation_end)
+    pressed = _range([summary.least_contact_force, summary.largest_contact_force])
+    rows: list[tuple[str, object, object, Format]] = [
+        ("force residual ‖ρ_f‖", force.start, force.end, RESIDUAL),
+        ("moment residual ‖ρ_m‖", moment.start, moment.end, MILLIMETRES),
+        ("orientation, range", start, end, _span("rad")),
+        ("contact force, range *", "", pressed, _span("N")),
+        ("object moved", "", summary.object_shift, MILLIMETRES),
+        ("  at most", "", summary.largest_object_shift, MILLIMETRES),
+        ("ticks or probes to converge *", "", summary.ticks_to_converge, WHOLE),
+        ("  9 in 10 within", "", summary.ticks_to_converge_p90, WHOLE),
+        ("tactile samples *", "", summary.samples, WHOLE),
+        ("probes, all trials", "", summary.probes or "", WHOLE),
+        ("time of a trial *", "", summary.trial_s, SECONDS),
+        ("largest leak of a lower priority", "", summary.largest_leak, LEAK),
+    ]
+    return Table(
+        "What was measured: medians over trials",
+        (Column(""), Column("start", TEXT), Column("end", TEXT)),
+        tuple(
+            (label, *("" if value == "" else Value(value, form) for value in (before, after)))
+            for label, before, after, form in rows
+            if after != ""
+        ),
+        "* of converged trials",
+    )
+
+
+def _span(unit: str) -> Format:
+    return Format(lambda ends: f"{ends[0]:.2f} … {ends[1]:.2f}", lambda ends: float(ends[0]), unit)
+
+
+def _range(values: Sequence[float | None]) -> tuple[float, float] | None:
+    known = [value for value in values if value is not None]
+    return (min(known), max(known)) if known else None
+
+
+def starts_tables(summary: Summary) -> list[Table]:
+    """Why draws of a start could not be taken up, and what that made of the starts; nothing where all could be."""
+    if not summary.starts.rejected:
+        return []
+    rejected, kept = rejected_table(summary), kept_table(summary)
+    reason, draws, share = rejected.columns
+    columns = (reason, draws, replace(share, label="share of all draws"))
+    tables = [
+        replace(rejected, title="Draws that could not be taken up", columns=columns),
+        replace(
+            kept,
+            title="Starts, asked for and kept",
+            columns=tuple(Column(label) for label in ("number of a start", "asked for", "kept")),
+            note="Quantiles: 5 %, 50 % and 95 %.",
+        ),
+    ]
+    return [table for table in tables if table.rows]
+
+
+def rejected_table(summary: Summary) -> Table:
+    """Why draws of a start could not be taken up."""
+    draws = summary.starts.draws
+    rows = tuple((reason, count, Value((count, draws), _OF_DRAWS)) for reason, count in summary.starts.rejected.items())
+    columns = (Column("reason"), Column("draws", COUNT), Column("share", SHARE))
+    return Table("Why draws of a start could not be taken up", columns, rows)
+
+
+_OF_DRAWS = Format(lambda pair: percent(pair[0] / pair[1]), lambda pair: pair[0])
+
+
+def kept_table(summary: Summary) -> Table:
+    """The quantiles of starts, asked for and kept."""
+
+    def row(name: str, found: StartNumber) -> tuple[str, str, str]:
+        return name, quantiles(found.asked, found.unit), quantiles(found.kept, found.unit)
+
+    rows = tuple(row(name, found) for name, found in summary.starts.parameters.items())
+    columns = (Column(""), Column("asked", TEXT), Column("kept", TEXT))
+    return Table("Starts, asked for and kept: 5 %, 50 % and 95 % quantiles", columns, rows)
+
+
+def sensing_table(summary: Summary) -> Table:
+    """The errors of sensed contact points and normals."""
+    ends = (
+        ("contact point (mm)", MILLIMETRES_FINELY, summary.point_error_p50, summary.point_error_p95),
+        ("contact normal (°)", DEGREES, summary.normal_error_p50, summary.normal_error_p95),
+    )
+    rows = tuple((label, *(Value(error, form) for error in errors)) for label, form, *errors in ends)
+    columns = (Column("error of the sensed"), Column("50th percentile", TEXT), Column("95th percentile", TEXT))
+    return Table("Sensing error", columns, rows)
+
+
+def quality_tables(quality: Quality) -> list[Table]:
+    """The grades of final grasps: verdicts, measures, verdicts side by side; nothing where none is graded."""
+    found = list(quality.grades.values())
+    passing = [one for one in found if one.passed is not None]
+    tables = [_verdicts(passing)] if passing else []
+    tables += [_measures(one) for one in found if one.medians]
+    if found and quality.confusion.of:
+        tables.append(_side_by_side(quality.confusion))
+    if passing:
+        tables.append(_by_outcome(quality.confusion, passing))
+    return tables
+
+
+def _verdicts(grades: Sequence[GradeSummary]) -> Table:
+    rows = tuple(
+        (one.grade.label, one.passed.passed, one.passed.of, one.passed.share, one.passed.interval, one.reasons)
+        for one in grades
+        if one.passed is not None
+    )
+    columns = (Column("grade"), Column("passed", COUNT), Column("of", COUNT), *SHARES[1:], Column("why not", REASONS))
+    note = " ".join([*(one.grade.definition for one in grades), "Trials that could not begin are not counted."])
+    return Table("Verdicts", columns, rows, note)
+
+
+def _measures(found: GradeSummary) -> Table:
+    grade, medians = found.grade, found.medians
+    rows = tuple(
+        (_with_unit(one.label, one.unit), Value(medians[one.key].median, scaled(one.form)), medians[one.key].of)
+        for one in grade.quantities
+    )
+    missing = f" Without a measure: {reasons_named(found.reasons)}." if found.reasons else ""
+    columns = (Column("measure"), Column("median", TEXT), Column("trials", COUNT))
+    return Table(grade.label, columns, rows, grade.definition + missing)
+
+
+def _with_unit(label: str, unit: str) -> str:
+    return f"{label} ({unit})" if unit else label
+
+
+def _side_by_side(confusion: Confusion) -> Table:
+    names = [name for name in confusion.table[0] if name != "trials"]
+    rows = tuple(
+        (*("yes" if cell[name] else "no" for name in names), cell["trials"])
+        for cell in confusion.table
+        if cell["trials"]
+    )
+    columns = (*(Column(name.replace("_", " ")) for name in names), Column("trials", COUNT))
+    note = "Converged: by the residuals. Kept: by the simulator, shaken where there was a shake, else lifted."
+    return Table("Verdicts side by side", columns, rows, note)
+
+
+def _by_outcome(confusion: Confusion, grades: Sequence[GradeSummary]) -> Table:
+    rows = tuple(
+        (outcome, row["trials"], *(row[one.grade.key] for one in grades)) for outcome, row in confusion.outcomes.items()
+    )
+    columns = (
+        Column("outcome"),
+        Column("trials", COUNT),
+        *(Column(f"{one.grade.label} passed", COUNT) for one in grades),
+    )
+    return Table("Verdicts by outcome", columns, rows)
+
+
+def brief_quality_table(quality: Quality) -> Table:
+    """How many grasps passed each grade, by outcome, and the medians of measures."""
+    grades = [one for one in quality.grades.values() if one.passed is not None]
+    rows = [
+        (outcome, *(f"{row[one.grade.key]} of {row['trials']}" for one in grades))
+        for outcome, row in quality.confusion.outcomes.items()
+    ]
+    shares = [f"{percent(one.passed.share)} ({percents(one.passed.interval)})" for one in grades if one.passed]
+    rows.append(("all, 95 % interval", *shares))
+    notes = []
+    for one in quality.grades.values():
+        medians = [
+            f"{quantity.label} {scaled(quantity.brief, quantity.unit).written(found.median, with_unit=True)}"
+            for quantity in one.grade.quantities
+            if (found := one.medians[quantity.key])
+        ]
+        notes += [f"{one.grade.column or one.grade.label}, medians: {', '.join(medians)}"] if medians else []
+    columns = (Column(""), *(Column(one.grade.column, TEXT) for one in grades))
+    return Table("How good the grasps are, by outcome", columns, tuple(rows), "; ".join(notes))
+
+
+def claims_table(claims: Sequence[Claim]) -> Table:
+    """What the chapter says of this experiment, and what was measured."""
+    rows = tuple((claim.says, claim.bound, claim.measured, claim.verdict.mark, claim.why) for claim in claims)
+    columns = tuple(map(Column, ("the chapter says", "agrees if", "measured", "verdict", "why")))
+    note = (
+        "Agrees: the 95 % interval of what was measured lies within the bound; where the chapter has a number, what "
+        "was measured is as near. Differs: the interval lies outside. Cannot be told: neither, or too few trials "
+        "ended. Intervals of shares are those of Clopper and Pearson here."
+    )
+    return Table("The chapter's claims", columns, rows, note)
+
+
+def trials_table(summary: Summary, tick: str) -> Table:
+    """The trials one by one."""
+    records = summary.records
+    note = f"The first {MOST_ROWS} of {len(records)} trials." if len(records) > MOST_ROWS else ""
+    columns = (
+        Column("trial", COUNT),
+        Column("outcome"),
+        Column("orientation, start", fixed(3, "rad")),
+        Column("end", fixed(3, "rad")),
+        Column("‖ρ_f‖, start", RESIDUAL),
+        Column("end", RESIDUAL),
+        Column("‖ρ_m‖, start", MILLIMETRES),
+        Column("end", MILLIMETRES),
+        Column("contact forces", _FORCES),
+        Column("object moved", MILLIMETRES),
+        Column(tick, COUNT),
+        Column(f"{tick} to converge", WHOLE),
+        Column("samples", COUNT),
+        Column("simulated", SECONDS),
+        Column("details"),
+    )
+    return Table("Trials", columns, tuple(map(_trial, records[:MOST_ROWS])), note)
+
+
+_FORCES = Format(lambda forces: ", ".join(f"{force:.2f}" for force in forces), max, "N")
+
+
+def _trial(record: TrialRecord) -> tuple[object, ...]:
+    return (
+        record.number,
+        record.outcome.value,
+        record.orientation_start,
+        record.orientation_end,
+        record.force_residual_start,
+        record.force_residual_end,
+        record.moment_residual_start,
+        record.moment_residual_end,
+        [force for force in record.contact_forces if math.isfinite(force)] or None,
+        record.object_shift,
+        record.ticks,
+        record.ticks_to_converge,
+        record.samples,
+        record.world_s,
+        record.detail,
+    )
