@@ -9,6 +9,7 @@ loaded by the first number that needs it.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -69,8 +70,8 @@ def mean_interval(values: Array) -> Interval:
     """Student's interval of the mean of what values (n,) are drawn from."""
     from scipy import stats
 
-    low, high = stats.t.interval(0.95, len(values) - 1, loc=values.mean(), scale=stats.sem(values))
-    return float(low), float(high)
+    mean, half = float(values.mean()), float(stats.t.ppf(0.975, len(values) - 1) * stats.sem(values))
+    return mean - half, mean + half  # stats.t.interval knows none without scatter
 
 
 def median(values: Iterable[float]) -> float | None:
@@ -305,15 +306,17 @@ def _estimate(of: Callable[[Array, Array], Array], other: Array, first: Array, *
         return Estimate(value, None, method, count)
     from scipy import stats
 
-    drawn = stats.bootstrap(
-        (other, first),
-        lambda ours, theirs, axis: of(np.median(ours, axis=axis), np.median(theirs, axis=axis)),
-        n_resamples=RESAMPLES,
-        paired=paired,
-        vectorized=True,
-        method="percentile",
-        rng=np.random.default_rng(BOOTSTRAP_SEED),
-    ).bootstrap_distribution
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)  # of its own interval, which is not used
+        drawn = stats.bootstrap(
+            (other, first),
+            lambda ours, theirs, axis: of(np.median(ours, axis=axis), np.median(theirs, axis=axis)),
+            n_resamples=RESAMPLES,
+            paired=paired,
+            vectorized=True,
+            method="percentile",
+            rng=np.random.default_rng(BOOTSTRAP_SEED),
+        ).bootstrap_distribution
     low = percentile_interval(np.nan_to_num(drawn, nan=0.0, posinf=np.inf, neginf=-np.inf))[0]
     high = percentile_interval(np.nan_to_num(drawn, nan=np.inf, posinf=np.inf, neginf=-np.inf))[1]
     return Estimate(value, (low, high), method, count)
