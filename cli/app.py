@@ -331,10 +331,7 @@ def list_(
 def schema() -> None:
     """Print the JSON Schema of specs, for editors."""
     with answering():
-        from graspdsl.hands.descriptions import mounts
-        from graspdsl.quality.grades import GRADES
+        from graspdsl.compiler.program import known_names
         from graspdsl.spec.loading import json_schema
-        from graspdsl.worlds.kinds import WORLDS
 
-        worlds = {name: world.about for name, world in WORLDS.items()}
-        result_json(json_schema(worlds, {name: mount.about for name, mount in mounts().items()}, GRADES))
+        result_json(json_schema(known_names()))

@@ -10,10 +10,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from graspdsl.hands.descriptions import mounts
-from graspdsl.quality.grades import GRADES
+from graspdsl.compiler.program import known_names
 from graspdsl.spec.loading import json_schema
-from graspdsl.worlds.kinds import WORLDS
 
 PLACE = Path(__file__).resolve().parent / "reference.md"
 HEAD = """# The keys of a spec
@@ -27,8 +25,7 @@ Schema = Mapping[str, Any]
 
 def reference() -> str:
     """The page: a table for the spec itself and for each part that it refers to, in the order of first mention."""
-    worlds = {name: world.about for name, world in WORLDS.items()}
-    whole = json_schema(worlds, {name: mount.about for name, mount in mounts().items()}, GRADES)
+    whole = json_schema(known_names())
     places: dict[str, str] = {}
     sections = [HEAD, _section("The whole", whole)]
     waiting = list(_parts(whole, ""))

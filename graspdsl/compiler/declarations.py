@@ -51,8 +51,8 @@ class Declarations:
     """
 
     hand: SourceText | None
-    mount: SourceText | None
-    world: SourceText | None
+    mount: str | None
+    world: str | None
     object: SourceText | None = None
     object_path: Path = ()
     names_hand: bool = False
@@ -72,8 +72,8 @@ def default_scene() -> Declarations:
     resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
     return Declarations(
         hand=SourceText.of("barrett"),
-        mount=SourceText.of("gantry"),
-        world=SourceText.of(DEFAULT_WORLD),
+        mount="gantry",
+        world=DEFAULT_WORLD,
         resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
         parameters={"κ_f": (0.5,)},
     )
@@ -86,8 +86,8 @@ def declarations_of(spec: Spec, document: Document) -> Declarations:
     holds = thing is None or (isinstance(thing, InlineObject) and thing.held is not False)
     return Declarations(
         hand=_placed(document, HAND, scene.hand),
-        mount=_placed(document, ("scene", "mount"), scene.mount),
-        world=_placed(document, ("scene", "world"), scene.world),
+        mount=scene.mount,
+        world=scene.world,
         object=_placed(document, path, named),
         object_path=path,
         names_hand=document.has(HAND),

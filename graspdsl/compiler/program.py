@@ -35,8 +35,8 @@ from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
-from graspdsl.places.validation import unknown_value
-from graspdsl.spec.loading import Reading, read_spec
+from graspdsl.quality.grades import GRADES
+from graspdsl.spec.loading import Known, Reading, read_spec
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kind import WorldKind
@@ -95,13 +95,22 @@ class Examination:
     diagnostics: tuple[Diagnostic, ...]
 
 
+def known_names() -> Known:
+    """The worlds, mounts and grades that specs may name, with a line on each."""
+    return {
+        "worlds": {name: world.about for name, world in WORLDS.items()},
+        "mounts": {name: mount.about for name, mount in mounts().items()},
+        "grades": {name: grade.about for name, grade in GRADES.items()},
+    }
+
+
 def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Examination:
     """Check the text of a spec, faults of YAML, of values and of formulas all in one go.
 
     Files that the spec names by relative paths are in ``folder``.
     """
     try:
-        reading = _with_known_names(read_spec(text, name, overrides))
+        reading = read_spec(text, name, overrides, known_names())
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
     spec, document = reading.spec, reading.document
@@ -112,7 +121,7 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     _parameters_once(spec, document, complaints)
     check_scene(spec, document, complaints)
     _leading_zeros(document, complaints)
-    placed = reading.is_sound("scene") and spec.scene.world in WORLDS
+    placed = reading.is_sound("scene")
     if placed and reading.is_sound("control", "program", "monitors"):
         check_monitors(spec, document, complaints)
     if placed and reading.is_sound("trials"):
@@ -180,20 +189,6 @@ def _own(found: Iterable[Diagnostic], reading: Reading) -> list[Diagnostic]:
     return [said for said in found if (_DECLARED_IN.get(said.code),) not in reading.unread]
 
 
-def _with_known_names(reading: Reading) -> Reading:
-    """A reading in which worlds and mounts that there are not count as unread, with a fault for each."""
-    spec, document, faults, unread = reading.spec, reading.document, list(reading.faults), set(reading.unread)
-    for key, known in (("world", WORLDS), ("mount", mounts())):
-        name, path = getattr(spec.scene, key), ("scene", key)
-        if name is not None and name not in known:
-            message, hint = unknown_value(list(known), name)
-            fault = Diagnostic("unknown-value", message, document.span(path), hint)
-            faults.append(document.attributed(path, fault))
-            unread.add(path)
-            spec = spec.model_copy(update={"scene": spec.scene.model_copy(update={key: None})})
-    return Reading(document, spec, tuple(faults), frozenset(unread))
-
-
 def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
     """The program of a spec without errors; otherwise raises DiagnosticError."""
     examination = examine(text, name, overrides, folder)
@@ -246,7 +241,7 @@ def program_of_expression(text: str) -> Program:
 class _ProgramCheck:
     def __init__(self, declarations: Declarations, complaints: Complaints, files: SpecFolder) -> None:
         self._declarations, self._complaints, self._files = declarations, complaints, files
-        self._world = self._one_of(("scene", "world"), declarations.world, WORLDS)
+        self._world = WORLDS.get(declarations.world or "")
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
         definitions = definitions_with(declarations.controllers, complaints)
@@ -268,7 +263,7 @@ class _ProgramCheck:
 
     def _robot(self) -> Robot | None:
         scene = self._declarations
-        mount = self._one_of(("scene", "mount"), scene.mount, mounts())
+        mount = mounts().get(scene.mount or "")
         if scene.hand is None:
             return None
         if names_a_file(scene.hand.text):
@@ -280,7 +275,7 @@ class _ProgramCheck:
             self._tell(scene.hand, taken)
             return None if taken else whole_robot
         hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount.text) if hand and mount and scene.mount else None
+        return robot(scene.hand.text, scene.mount) if hand and scene.mount else None
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -316,14 +311,6 @@ class _ProgramCheck:
         )
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
         return False
-
-    def _one_of(self, path: Path, name: SourceText | None, known: Mapping[str, T]) -> T | None:
-        if name is None or name.text in known:
-            return None if name is None else known[name.text]
-        self._complaints.about(path)
-        message, hint = unknown_value(list(known), name.text)
-        self._complaints.error("unknown-value", message, whole(name), hint)
-        return None
 
     def phases(self) -> tuple[CheckedPhase | None, ...]:
         """The phases of which there is a formula; None, and complaints, in place of one that is not sound."""

@@ -8,7 +8,6 @@ from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import Robot, hands
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
-from graspdsl.places.validation import unknown_value
 from graspdsl.quality.grade import Grade
 from graspdsl.quality.grades import GRADES
 from graspdsl.spec.models import Spec
@@ -25,13 +24,7 @@ DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
 
 def check_scene(spec: Spec, document: Document, complaints: Complaints) -> None:
-    """Complain about grades that there are not, and about what the scene's world has not, as far as a spec was read."""
-    for place, grade in enumerate(spec.evaluate):
-        if grade is not None and grade not in GRADES:
-            path: Path = ("evaluate", place)
-            complaints.about(path)
-            message, hint = unknown_value(list(GRADES), grade)
-            complaints.error("unknown-value", message, document.span(path), hint)
+    """Complain about what the scene's world has not, as far as a spec was read."""
     world = WORLDS.get(spec.scene.world)
     if world is not None:
         _Check(spec, document, complaints, world).all()
@@ -66,7 +59,7 @@ def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Comp
 
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
-    world = WORLDS.get(scene.world.text) if scene.world else None
+    world = WORLDS.get(scene.world or "")
     if scene.names_hand or scene.hand is None or world is None or world.has("hand"):
         return None
     bare = {name: list(hand.contacts) for name, hand in hands().items() if not hand.urdf}

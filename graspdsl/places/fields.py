@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationInfo
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from graspdsl.places.wording import shown
 
@@ -34,6 +34,18 @@ Count = Annotated[int, Field(strict=True)]
 Metres = Annotated[Number, Unit("m")]
 Seconds = Annotated[Number, Unit("s")]
 Kilograms = Annotated[Number, Unit("kg")]
+
+
+def name_in(table: str) -> BeforeValidator:
+    """A text that is a name in a table of things; the context of a validation says, by table, which there are."""
+
+    def check(value: Any, info: ValidationInfo) -> Any:
+        known = (info.context or {}).get(table)
+        if known is not None and not (isinstance(value, str) and value in known):
+            raise PydanticKnownError("literal_error", {"expected": ", ".join(map(repr, known))})
+        return value
+
+    return BeforeValidator(check)
 
 
 def fault(code: str, message: str, hint: str | None = None) -> PydanticCustomError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, TypeVar, get_args, get_origin
@@ -18,7 +18,8 @@ from graspdsl.spec.overrides import apply_overrides
 M = TypeVar("M", bound=BaseModel)
 _ABSENT = object()
 
-NOTHING: Mapping[str, str] = {}
+Known = Mapping[str, Mapping[str, str]]  # by table, a line on each thing by its name
+ANYTHING: Known = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +40,9 @@ class Reading:
         return not any(path[:1] == (section,) for path in self.unread for section in sections)
 
 
-def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
+def read_spec(text: str, name: str, overrides: Sequence[str] = (), known: Known = ANYTHING) -> Reading:
     """The reading of a text that messages call ``name``, with ``overrides`` (``"scene.friction=0.6"``) in place of what
-    it says.
+    it says. ``known``: the worlds, mounts and grades that it may name; any, where none are given.
 
     Raises :class:`DiagnosticError` when there is no reading the text at all.
     """
@@ -49,18 +50,18 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
     document, faults = apply_overrides(document, overrides)
     faults += [fault for _, fault in reading_faults]
     try:
-        return Reading(document, Spec.model_validate(document.data), tuple(faults))
+        return Reading(document, Spec.model_validate(document.data, context=known), tuple(faults))
     except ValidationError:
         document, key_faults = with_known_keys(document, Spec)
         faults += key_faults
     try:
-        return Reading(document, Spec.model_validate(document.data), tuple(faults))
+        return Reading(document, Spec.model_validate(document.data, context=known), tuple(faults))
     except ValidationError as error:
         found = validation_faults(error, document, Spec)
     # What could not be read has had its complaint; what follows from it needs none.
     unread = {path for path, _ in reading_faults if path is not None}
     faults += [fault for path, fault in found if not any(path[:n] in unread for n in range(1, len(path) + 1))]
-    return Reading(document, _best(Spec, document.data), tuple(faults), frozenset(path for path, _ in found))
+    return Reading(document, _best(Spec, document.data, known), tuple(faults), frozenset(path for path, _ in found))
 
 
 def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Reading:
@@ -71,25 +72,19 @@ def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Readi
     return reading
 
 
-def json_schema(
-    worlds: Mapping[str, str] = NOTHING, mounts: Mapping[str, str] = NOTHING, grades: Iterable[str] = ()
-) -> dict[str, Any]:
-    """The JSON Schema of a spec, for editors.
-
-    ``worlds``, ``mounts``: a line on each that there is, by name; ``grades``: the names of those that there are. Any
-    text may stand where none are given.
-    """
+def json_schema(known: Known = ANYTHING) -> dict[str, Any]:
+    """The JSON Schema of a spec, for editors; ``known`` as for :func:`read_spec`."""
     schema = Spec.model_json_schema(by_alias=True)
-    for key, known in (("world", worlds), ("mount", mounts)):
-        field, lines = schema["$defs"]["Scene"]["properties"][key], [f"{name}: {line}" for name, line in known.items()]
-        if known:
-            field |= {"enum": list(known), "description": f"{field['description']}; {'; '.join(lines)}"}
-    if names := list(grades):
-        schema["properties"]["evaluate"]["items"] = {"enum": names, "type": "string"}
+    scene, grade = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]["items"]
+    for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grade)):
+        if things := known.get(table):
+            field["enum"] = list(things)
+            if "description" in field:
+                field["description"] += "".join(f"; {name}: {line}" for name, line in things.items())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}
 
 
-def _best(model: type[M], data: object) -> M:
+def _best(model: type[M], data: object, known: Known) -> M:
     """What can be read of faulty data, field by field; not validated as a whole."""
     given = data if isinstance(data, dict) else {}
     values = {}
@@ -97,9 +92,9 @@ def _best(model: type[M], data: object) -> M:
         key = field.alias or name
         if key in given:
             kind: Any = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
-            values[key] = _value(kind, given[key])
+            values[key] = _value(kind, given[key], known)
         elif field.is_required():
-            values[key] = _rest(field.annotation, _ABSENT)
+            values[key] = _rest(field.annotation, _ABSENT, known)
     return model.model_construct(**values)
 
 
@@ -108,22 +103,24 @@ def _adapter(annotation: Any) -> TypeAdapter[Any]:
     return TypeAdapter(annotation)
 
 
-def _value(annotation: Any, value: object) -> Any:
+def _value(annotation: Any, value: object, known: Known) -> Any:
     try:
-        return _adapter(annotation).validate_python(value)
+        return _adapter(annotation).validate_python(value, context=known)
     except ValidationError:
-        return _rest(annotation, value)
+        return _rest(annotation, value, known)
 
 
-def _rest(annotation: Any, value: object) -> Any:
+def _rest(annotation: Any, value: object, known: Known) -> Any:
     """What can be read of a faulty value: the fields of a model, the items of a mapping or a list; else None."""
     kinds = [kind for kind in alternatives(annotation) if kind is not type(None)]
     models = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]
     if len(models) == 1 and (isinstance(value, dict) or len(kinds) == 1):
-        return _best(models[0], value)
+        return _best(models[0], value, known)
     origin, arguments = (get_origin(kinds[0]), get_args(kinds[0])) if len(kinds) == 1 else (None, ())
     if origin is dict:
-        return {key: _value(arguments[1], item) for key, item in value.items()} if isinstance(value, dict) else {}
+        return (
+            {key: _value(arguments[1], item, known) for key, item in value.items()} if isinstance(value, dict) else {}
+        )
     if origin is tuple and arguments[-1] is ...:
-        return tuple(_value(arguments[0], item) for item in (value if isinstance(value, list) else ()))
+        return tuple(_value(arguments[0], item, known) for item in (value if isinstance(value, list) else ()))
     return None

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from graspdsl.places.fields import Model, Number, fault, form, forms, is_number
+from graspdsl.places.fields import Model, Number, fault, form, forms, is_number, name_in
 from graspdsl.places.wording import shown
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
@@ -96,7 +96,9 @@ class Spec(Model):
     )
     control: Control = Field(default=Control(), description="how gradients become motion")
     monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
-    evaluate: tuple[str, ...] = Field(default=(), description="how the final grasps are graded")
+    evaluate: tuple[Annotated[str, name_in("grades")], ...] = Field(
+        default=(), description="how the final grasps are graded"
+    )
     trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
 
     def definitions(self) -> dict[str, ControllerDefinition]:

@@ -8,7 +8,7 @@ from pydantic import Field, create_model, model_validator
 
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES
-from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms
+from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms, name_in
 from graspdsl.spec.sensing import SensingChoice
 
 FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
@@ -98,12 +98,12 @@ ObjectChoice = Annotated[
 class Scene(Model):
     """What the controller meets."""
 
-    world: str = Field(
+    world: Annotated[str, name_in("worlds")] = Field(
         description="what the trials run in",
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: str = Field(default="gantry", description="what carries the hand")
+    mount: Annotated[str, name_in("mounts")] = Field(default="gantry", description="what carries the hand")
     object: ObjectChoice = Field(
         description="an object of the catalogue, or one described here", examples=["towel-roll"]
     )

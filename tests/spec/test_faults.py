@@ -10,20 +10,24 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.compiler.program import known_names
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.places.document import parse_document
 from graspdsl.places.validation import validate_document
 from graspdsl.places.wording import Data
-from graspdsl.spec import Spec, load_spec_text
+from graspdsl.spec import Spec, read_spec
 
 from .conftest import GOOD
 
 
 def complaints(text: str, overrides: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
     """What is wrong with a spec."""
-    with pytest.raises(DiagnosticError) as caught:
-        load_spec_text(text, "test.yaml", overrides)
-    return caught.value.diagnostics
+    try:
+        found = read_spec(text, "test.yaml", overrides, known_names()).faults
+    except DiagnosticError as error:
+        return error.diagnostics
+    assert found
+    return tuple(in_reading_order(found))
 
 
 def place(diagnostic: Diagnostic) -> str:

@@ -15,7 +15,6 @@ from graspdsl.compiler.scene_check import check_sensing
 from graspdsl.hands.descriptions import HERE, Contact, Robot
 from graspdsl.hands.fingertips import EllipsoidTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
-from graspdsl.places.document import Document
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.sensing import Exact, LoadCell, Proximity, Skin, TactileSensor, Touch
 from graspdsl.trials.setup import settings_of
@@ -251,11 +250,9 @@ def without_cells(names: tuple[str, ...]) -> Robot:
 
 def complaints_about(robot: Robot, sensing: str) -> list[str]:
     """What is said of sensing with a robot."""
-    document, spec, _ = read_spec(MAIN.read_text("utf-8"), MAIN.name, (f"scene.sensing={sensing}",))
-    assert spec is not None
-    assert isinstance(document, Document)
-    complaints = Complaints(document)
-    check_sensing(spec, document, robot, complaints)
+    reading = read_spec(MAIN.read_text("utf-8"), MAIN.name, (f"scene.sensing={sensing}",))
+    complaints = Complaints(reading.document)
+    check_sensing(reading.spec, reading.document, robot, complaints)
     return [f"{found.severity.value} {found.code}: {found.message}" for found in complaints.found]
 
 
