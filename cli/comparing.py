@@ -14,14 +14,14 @@ from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.diagnostics import on_one_line
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
 from graspdsl.report.comparison_page import PAGE, write_comparison
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.store import fresh_folder
 
 
 def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
     """Print a comparison of the runs in these folders, and write its figures and its page."""
-    evidences = [gathered(folder) for folder in [opened(path) for path in paths]]
+    evidences = [evidence_of(folder) for folder in [opened(path) for path in paths]]
     found = comparison([(evidence, summarised(evidence)) for evidence in evidences])
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, "compare")

@@ -17,7 +17,7 @@ from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
 from graspdsl.places.document import parse_document
 from graspdsl.report.claims import EXPERIMENTS, Claim, claims_of
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import verdict, write_experiments
 from graspdsl.report.summary import plain, summarised
@@ -99,7 +99,7 @@ def _run_all(chosen: Sequence[Experiment], whole: Path, asked: Asked) -> int:
         if code != 0:
             return code
         with reading(str(folder.path)):
-            evidence = gathered(folder)
+            evidence = evidence_of(folder)
             summary = summarised(evidence)
             found = claims_of(evidence, summary)
             page = page_of(evidence, summary, found)

@@ -17,7 +17,7 @@ from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line
 from graspdsl.places.files import read_text
 from graspdsl.report.claims import Claim, claims_of
-from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.evidence import Evidence, evidence_of
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, plain, summarised
@@ -109,7 +109,7 @@ def carried_on(folder: RunFolder, workers: int | None, *command: str) -> int:
 def show(folder: RunFolder, as_json: bool) -> None:
     """The summary of a run, on stdout, and its page in its folder; where there can be none, a warning."""
     with reading(str(folder.path)):
-        evidence = gathered(folder)
+        evidence = evidence_of(folder)
     summary = summarised(evidence)
     if as_json:
         result_json(plain(summary))

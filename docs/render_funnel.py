@@ -12,7 +12,7 @@ from pathlib import Path
 from PIL import Image
 
 from graspdsl.compiler.program import program_of
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import write_report
 from graspdsl.report.summary import summarised
 from graspdsl.trials.runner import execute, new_run
@@ -28,7 +28,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = new_run(Path(place, "run"), program_of(text, SPEC.name), text, SPEC.name, ())
         execute(folder)
-        evidence = gathered(folder)
+        evidence = evidence_of(folder)
         write_report(evidence, summarised(evidence))
         figure = (folder.path / "figures/funnel.png").read_bytes()
     picture = Image.open(io.BytesIO(figure)).convert("RGB")

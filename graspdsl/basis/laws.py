@@ -187,5 +187,5 @@ class ShareOfError(Law):
         inverse = bench.apply("τ⁺", "pseudo-inverse", np.linalg.pinv, slope.task)
         moved = bench.apply(f"τ⁺∇{name}", "joint displacement, Eq. 4.25", operations.times, inverse, slope.gradient)
         part = bench.apply(f"k Δ{name}", f"{gain:g} of it a tick", partial(np.multiply, gain), moved)
-        slow = partial(operations.shortened, POSTURE_STEP)
+        slow = partial(operations.limited, POSTURE_STEP)
         return bench.apply(f"Δ{name}", f"no more than {POSTURE_STEP:g} a tick", slow, part)

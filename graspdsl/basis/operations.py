@@ -86,7 +86,7 @@ def longest(rows: Array) -> Array:
     return np.asarray(np.linalg.norm(by_contact(rows), axis=-1).max(axis=-1))
 
 
-def shortened(limit: Array | float, vector: Array) -> Array:
+def limited(limit: Array | float, vector: Array) -> Array:
     """A vector (..., D), shortened to ``limit`` where it is longer."""
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.asarray(vector / np.maximum(1.0, length / limit))

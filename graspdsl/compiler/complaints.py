@@ -70,6 +70,6 @@ class Complaints:
         self.add(*error.diagnostics)
 
 
-def whole(source: SourceText) -> Span:
+def span_of(source: SourceText) -> Span:
     """The span of a whole text."""
     return source.span(0, len(source.text))

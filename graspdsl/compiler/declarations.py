@@ -22,7 +22,7 @@ DEFAULT_WORLD = "bullet"  # of expressions outside a spec
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class Declaration:
     """A key and its text value, each with its places, the path of the value, and what else is said of a controller."""
 
     key: SourceText
@@ -59,8 +59,8 @@ class Declarations:
     holds: bool = False
     senses_gravity: bool = True
     displacement: str = "sliding"
-    resources: tuple[Entry, ...] = ()
-    controllers: tuple[Entry, ...] = ()
+    resources: tuple[Declaration, ...] = ()
+    controllers: tuple[Declaration, ...] = ()
     parameters: Mapping[str, tuple[float, ...] | None] = field(default_factory=dict)
     phases: tuple[PhaseEntry, ...] = ()
     document: Document | None = None
@@ -74,7 +74,7 @@ def default_scene() -> Declarations:
         hand=SourceText.of("barrett"),
         mount="gantry",
         world=DEFAULT_WORLD,
-        resources=tuple(Entry(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
+        resources=tuple(Declaration(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
         parameters={"κ_f": (0.5,)},
     )
 
@@ -110,7 +110,9 @@ def _placed(document: Document, path: Path, text: str | None) -> SourceText | No
     return document.source_text(path) if document.has(path) else SourceText.of(text)
 
 
-def _entries(document: Document, section: str, entries: Mapping[str, str | ControllerDefinition]) -> tuple[Entry, ...]:
+def _entries(
+    document: Document, section: str, entries: Mapping[str, str | ControllerDefinition]
+) -> tuple[Declaration, ...]:
     found = []
     for key, entry in entries.items():
         path: Path = (section, key)
@@ -120,7 +122,7 @@ def _entries(document: Document, section: str, entries: Mapping[str, str | Contr
             body, said = entry, ("", "")
         text = _placed(document, path, body)
         if text is not None:
-            found.append(Entry(document.key_source_text((section, key)), text, path, *said))
+            found.append(Declaration(document.key_source_text((section, key)), text, path, *said))
     return tuple(found)
 
 

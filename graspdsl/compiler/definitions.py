@@ -12,8 +12,8 @@ import yaml
 
 import graspdsl.basis
 from graspdsl.basis.entry import cited
-from graspdsl.compiler.complaints import Complaints, whole
-from graspdsl.compiler.declarations import Entry
+from graspdsl.compiler.complaints import Complaints, span_of
+from graspdsl.compiler.declarations import Declaration
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
 from graspdsl.notation.parser import parse_expression, parse_head
 from graspdsl.notation.tree import (
@@ -69,7 +69,7 @@ def prelude() -> Mapping[str, Definition]:
     return {definition.head.name.text: definition for definition in definitions}
 
 
-def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[str, Definition]:
+def definitions_with(entries: Sequence[Declaration], complaints: Complaints) -> dict[str, Definition]:
     """The prelude and the spec's own definitions; complains about faulty, repeated and overriding ones."""
     known = dict(prelude())
     for entry in entries:
@@ -90,7 +90,10 @@ def definitions_with(entries: Sequence[Entry], complaints: Complaints) -> dict[s
         if name in known:
             where = f"in the prelude ({cited(known[name].equation)})" if known[name].in_prelude else "above"
             complaints.error(
-                "controller-redefined", f"{name} is defined already, {where}", whole(entry.key), "choose another name"
+                "controller-redefined",
+                f"{name} is defined already, {where}",
+                span_of(entry.key),
+                "choose another name",
             )
             continue
         known[name] = Definition(head, body, entry.equation, entry.about, path=entry.path)

@@ -12,7 +12,7 @@ from graspdsl.basis.potentials import lowering
 from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
-from graspdsl.compiler.complaints import Complaints, whole
+from graspdsl.compiler.complaints import Complaints, span_of
 from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of, default_scene
 from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
 from graspdsl.compiler.effects_check import check_effects
@@ -287,7 +287,7 @@ class _ProgramCheck:
             faults = found.warnings
         except DiagnosticError as error:
             for fault in error.diagnostics:
-                self._complaints.error(fault.code, fault.message, whole(name), fault.hint)
+                self._complaints.error(fault.code, fault.message, span_of(name), fault.hint)
         except HandFileError as error:
             faults = error.diagnostics
         self._tell(name, faults)
@@ -298,7 +298,7 @@ class _ProgramCheck:
         self._complaints.about(("scene", "hand"))
         for fault in faults:
             place = name.text if fault.span is None else f"{name.text}:{fault.span.line}:{fault.span.column}"
-            self._complaints.add(replace(fault, message=f"{place}: {fault.message}", span=whole(name)))
+            self._complaints.add(replace(fault, message=f"{place}: {fault.message}", span=span_of(name)))
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
         if name is None or name.text in known:
@@ -309,7 +309,7 @@ class _ProgramCheck:
         hint = (file_hint(name.text, given) if what == "object" else None) or known_names_hint(
             name.text, known, f"{what}s"
         )
-        self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", whole(name), hint)
+        self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", span_of(name), hint)
         return False
 
     def phases(self) -> tuple[CheckedPhase | None, ...]:
@@ -352,7 +352,7 @@ class _ProgramCheck:
                 self._complaints.error(
                     "not-sensed",
                     f"{world.lacks['forces']}: {', '.join(lacking)} cannot be sensed in the {world.name} world",
-                    whole(entry.formula),
+                    span_of(entry.formula),
                     f"use σ_fr and σ_mr, as π_gx does, or {worlds_with('forces')}",
                 )
             elif space not in able:
@@ -360,7 +360,7 @@ class _ProgramCheck:
                 self._complaints.error(
                     "world-cannot-execute",
                     f"the {world.name} world cannot carry out a gradient in {space.value}, {space.about}, by {way}",
-                    whole(entry.formula),
+                    span_of(entry.formula),
                     f"it carries out {can}"
                     + ("; make the controller the reference of one, as π_s|Γ Γ (…) does" if by_joints else ""),
                 )

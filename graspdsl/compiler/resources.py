@@ -7,8 +7,8 @@ from copy import copy
 from dataclasses import dataclass
 
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
-from graspdsl.compiler.complaints import Complaints, whole
-from graspdsl.compiler.declarations import Entry
+from graspdsl.compiler.complaints import Complaints, span_of
+from graspdsl.compiler.declarations import Declaration
 from graspdsl.diagnostics import DiagnosticError, Span, known_names_hint
 from graspdsl.hands.descriptions import Robot
 from graspdsl.notation.names import canonical
@@ -47,7 +47,7 @@ class ResourceTable:
 
     def __init__(
         self,
-        entries: Sequence[Entry],
+        entries: Sequence[Declaration],
         robot: Robot | None,
         complaints: Complaints,
         *,
@@ -68,24 +68,27 @@ class ResourceTable:
         for name, declared in self._declared.items():
             self._named(Name(name, declared.place))
 
-    def _declare(self, entry: Entry) -> None:
+    def _declare(self, entry: Declaration) -> None:
         name = canonical(entry.key.text)
         if name == GRAVITY:
             self._complaints.error(
-                "reserved-name", "γ_g is gravity and cannot be declared", whole(entry.key), "choose another name"
+                "reserved-name", "γ_g is gravity and cannot be declared", span_of(entry.key), "choose another name"
             )
         elif name in self._declared or name in self._meant:
             self._complaints.error(
-                "declared-twice", f"{name} is declared twice, in two spellings", whole(entry.key), "keep one of them"
+                "declared-twice",
+                f"{name} is declared twice, in two spellings",
+                span_of(entry.key),
+                "keep one of them",
             )
         else:
             meaning = self._meaning(entry)
             if meaning is None:
                 self._meant[name] = None
             else:
-                self._declared[name] = _Declared(meaning, whole(entry.value), entry.path)
+                self._declared[name] = _Declared(meaning, span_of(entry.value), entry.path)
 
-    def _meaning(self, entry: Entry) -> int | JointSet | Resources | None:
+    def _meaning(self, entry: Declaration) -> int | JointSet | Resources | None:
         if entry.value.text in self._contacts:
             return self._contacts.index(entry.value.text)
         if entry.value.text in self._joint_sets:
@@ -101,7 +104,7 @@ class ResourceTable:
         self._complaints.error(
             "unknown-contact",
             f"the hand {self._robot.hand.hand} has no contact and no joint set {entry.value.text!r}",
-            whole(entry.value),
+            span_of(entry.value),
             self._other_hand
             or known_names_hint(entry.value.text, [*self._contacts, *self._joint_sets], "contacts and joint sets"),
         )

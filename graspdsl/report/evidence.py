@@ -17,7 +17,7 @@ from graspdsl.trials.trajectories import Layout
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class ResidualCourse:
     """The residuals of a trial from where its controller took over, one value a tick or probe.
 
     time [s] since then, force ‖ρ_f‖ (1) and moment ‖ρ_m‖ [m]: (n,) each, empty where the controller never took over;
@@ -38,7 +38,7 @@ class Evidence:
     folder: RunFolder
     program: Program
     records: tuple[TrialRecord, ...]
-    courses: dict[int, Course]
+    courses: dict[int, ResidualCourse]
 
     def touching(self, record: TrialRecord) -> bool | None:
         """Whether every contact of the grasp truly touched at the end of a trial; None where that is not known."""
@@ -46,7 +46,7 @@ class Evidence:
         return None if course is None else course.touching
 
 
-def gathered(folder: RunFolder) -> Evidence:
+def evidence_of(folder: RunFolder) -> Evidence:
     """The evidence in the folder of a run. Raises DiagnosticError when its records or its spec cannot be read."""
     program, records = program_of_run(folder), tuple(folder.records())
     layout, contacts = Layout.of(program), [phase.grasp.contacts for phase in program.phases]
@@ -60,7 +60,7 @@ def gathered(folder: RunFolder) -> Evidence:
 
 def _course(
     folder: RunFolder, record: TrialRecord, layout: Layout, contacts: Sequence[tuple[int, ...]]
-) -> Course | None:
+) -> ResidualCourse | None:
     try:
         rows = folder.trajectory(record.number, layout)
     except DiagnosticError:
@@ -72,7 +72,7 @@ def _course(
     touched = bool(np.isfinite(rows["forces"][-1, list(grasp)]).all())  # a contact that does not touch has none
     # The controller's samples are the last rows, from where it takes over from the guarded close.
     begun = len(time) - min(record.samples, len(time))
-    return Course(time[begun:] - time[begun : begun + 1], _held(force[begun:]), _held(moment[begun:]), touched)
+    return ResidualCourse(time[begun:] - time[begun : begun + 1], _held(force[begun:]), _held(moment[begun:]), touched)
 
 
 def _held(values: Array) -> Array:

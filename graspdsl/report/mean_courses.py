@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.report.evidence import Course
+from graspdsl.report.evidence import ResidualCourse
 from graspdsl.report.statistics import (
     FEWEST,
     Interval,
@@ -41,7 +41,7 @@ class MeanCourses:
     rise_interval: Interval | None
 
 
-def mean_courses(courses: Sequence[Course]) -> MeanCourses | None:
+def mean_courses(courses: Sequence[ResidualCourse]) -> MeanCourses | None:
     """What the means of courses do, of those that are whole; None where there is none."""
     whole = [course for course in courses if _is_whole(course)]
     if not whole:
@@ -90,5 +90,5 @@ def _steepest(course: Array) -> tuple[int, int]:
     return int(np.argmin(course[: last + 1])), last
 
 
-def _is_whole(course: Course) -> bool:
+def _is_whole(course: ResidualCourse) -> bool:
     return len(course.force) > 0 and bool(np.isfinite(course.force).all() and np.isfinite(course.moment).all())

@@ -27,14 +27,14 @@ from graspdsl.spec.watching import (
     SceneFacts,
     Setting,
     Sight,
-    Touch,
+    TouchMonitor,
     When,
 )
 
 AT_LIMIT = 1e-3  # rad or m
 
 
-class PalmMonitor(Touch):
+class PalmMonitor(TouchMonitor):
     """The palm on the object."""
 
     key, touched = "palm", "object"
@@ -49,7 +49,7 @@ class PalmMonitor(Touch):
         return ["the palm"] if self.setting.palm in sight.links[place] else []
 
 
-class LinkMonitor(Touch):
+class LinkMonitor(TouchMonitor):
     """Other links on the object."""
 
     key, touched = "link", "object"
@@ -64,7 +64,7 @@ class LinkMonitor(Touch):
         return [link for link in sight.links[place] if link != self.setting.palm]
 
 
-class TableMonitor(Touch):
+class TableMonitor(TouchMonitor):
     """Links on the table."""
 
     key, touched = "table", "table"

@@ -19,7 +19,7 @@ FARTHEST = 10.0  # m or rad, wider than any bound of a start
 End = Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)]
 
 
-class Start(Model):
+class StartSettings(Model):
     """Where the hand stands when a trial starts; every number may be a distribution."""
 
     approach: Literal["side", "top", "surface"] | None = Field(
@@ -65,7 +65,7 @@ class GridAxis(Model):
             message = f"the low end {self.low:g} is not below the high end {self.high:g}"
             raise fault("out-of-range", message, "give the lower end first")
         try:
-            Start.model_validate({self.parameter: {"uniform": (self.low, self.high)}})
+            StartSettings.model_validate({self.parameter: {"uniform": (self.low, self.high)}})
         except ValidationError as error:
             context = error.errors()[0].get("ctx", {})
             message = f"{self.parameter}: {context.get('message', 'these ends cannot be')}"
@@ -82,7 +82,7 @@ class Trials(Model):
 
     count: Count = Field(default=20, ge=1, le=MOST_TRIALS, description="how many trials there are, 1 to 100000")
     seed: Count = Field(default=0, ge=0, le=2**63 - 1, description="what the random numbers are made from, 0 to 2⁶³−1")
-    start: Start = Field(default=Start(), description="where the hand stands when a trial starts")
+    start: StartSettings = Field(default=StartSettings(), description="where the hand stands when a trial starts")
     grid: tuple[GridAxis, ...] | None = Field(
         default=None,
         min_length=1,
@@ -108,7 +108,7 @@ class Trials(Model):
         axes = self.grid or ()
         return math.prod(axis.cells for axis in axes) * self.start.outcomes([axis.parameter for axis in axes])
 
-    def start_of(self, number: int) -> Start:
+    def start_of(self, number: int) -> StartSettings:
         """What the start of a trial is drawn from: on a grid, with the numbers of its cell in their places."""
         values: dict[str, float] = {}
         for axis in self.grid or ():

@@ -217,7 +217,7 @@ class Lasting(Monitor):
         return f"no phase lasts for more than {scene.longest:g} s" if bound >= scene.longest else None
 
 
-class Touch(Lasting):
+class TouchMonitor(Lasting):
     """Links that press on what they should not."""
 
     touched: ClassVar[str]

@@ -21,7 +21,7 @@ from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.places.validation import slot
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.models import Spec
-from graspdsl.spec.trials import GridAxis, Start
+from graspdsl.spec.trials import GridAxis, StartSettings
 from graspdsl.trials.course import Course, stages_of
 from graspdsl.trials.measures import orientation
 from graspdsl.trials.outcomes import Outcome
@@ -111,7 +111,7 @@ def grid_settings(program: Program, wanted: Sequence[WantedAxis]) -> tuple[str, 
     return (*fixed, f"trials.grid={json.dumps([axis.model_dump() for axis in axes])}", f"trials.count={count}")
 
 
-def _grid_axis(start: Start, wanted: WantedAxis) -> GridAxis:
+def _grid_axis(start: StartSettings, wanted: WantedAxis) -> GridAxis:
     name = wanted.parameter
     if name not in PARAMETERS:
         hint = known_names_hint(name, PARAMETERS, "parameters of a start")
@@ -127,7 +127,7 @@ def _grid_axis(start: Start, wanted: WantedAxis) -> GridAxis:
         return GridAxis.model_validate({"parameter": name, "low": low, "high": high, "cells": wanted.cells})
     except ValidationError as error:
         first = error.errors()[0]
-        context, unit = first.get("ctx", {}), slot(Start, (name,)).unit
+        context, unit = first.get("ctx", {}), slot(StartSettings, (name,)).unit
         beyond = f"{name} is mapped from {low:g} to {high:g} {unit}: {first['msg'][:1].lower()}{first['msg'][1:]}"
         hint = "angles are in radians" if unit == "rad" else "lengths are in metres"
         raise refused("out-of-range", context.get("message", beyond), context.get("hint", hint)) from None
@@ -151,7 +151,7 @@ def axes_of(spec: Spec) -> tuple[Axis, Axis]:
     if len(grid) != 2 or spec.trials.count != math.prod(axis.cells for axis in grid):
         raise refused("not-a-map", "this run is no map", "give the folder that 'graspdsl map' made")
     x, y = (
-        Axis(axis.parameter, slot(Start, (axis.parameter,)).unit or "", axis.low, axis.high, axis.cells)
+        Axis(axis.parameter, slot(StartSettings, (axis.parameter,)).unit or "", axis.low, axis.high, axis.cells)
         for axis in grid
     )
     return x, y
@@ -161,7 +161,7 @@ def cells_of(spec: Spec, records: Sequence[TrialRecord]) -> Cells:
     """The map of a finished run on a grid, its records by number. Raises DiagnosticError for a run that is none."""
     x, y = axes_of(spec)
     fixed = {
-        name: f"{value:g} {slot(Start, (name,)).unit}"
+        name: f"{value:g} {slot(StartSettings, (name,)).unit}"
         for name in PARAMETERS
         if name not in (x.parameter, y.parameter)
         and isinstance(value := getattr(spec.trials.start, name), float)  # and not drawn for each trial

@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.distributions import Choice, Normal, Uniform
-from graspdsl.spec.trials import Start as StartSpec
+from graspdsl.spec.trials import StartSettings
 from graspdsl.worlds.protocol import Start
 from graspdsl.worlds.start_pose import pose
 
@@ -24,7 +24,7 @@ def generator(seed: int, trial: int) -> np.random.Generator:
 
 
 def draws(
-    start: StartSpec, body: Body, palm_surface: float, random: np.random.Generator, *, floats: bool = False
+    start: StartSettings, body: Body, palm_surface: float, random: np.random.Generator, *, floats: bool = False
 ) -> Generator[Start, bool, None]:
     """Start poses of the hand's mounting face before a standing object at the origin, one after the other.
 

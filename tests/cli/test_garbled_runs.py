@@ -18,7 +18,7 @@ from graspdsl.cli.running import opened
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.report.comparison import comparison
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
@@ -72,8 +72,8 @@ def test_every_garbled_run_is_read_or_refused(whole: RunFolder, tmp_path: Path) 
     for place in each(whole, tmp_path / "run", GARBLED, seed=4):
         try:
             folder = opened(place)
-            evidence = gathered(folder)
-            runs = [(run, summarised(run)) for run in (gathered(whole), evidence)]
+            evidence = evidence_of(folder)
+            runs = [(run, summarised(run)) for run in (evidence_of(whole), evidence)]
             json.dumps(plain([runs[1][1], comparison(runs)]), allow_nan=False)
             lost = {record.number for record in evidence.records} - evidence.courses.keys()
             assert lost == {0, 1} - {record.number for record in folder.finished()}

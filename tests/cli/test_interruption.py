@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from cli.program import SPEC, TRIALS, FinishedRun, Stop, begun, graspdsl, numbers, stopped
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.store import RunFolder
 
@@ -71,7 +71,7 @@ def test_interrupted(stop: Stop, workers: int, finished: FinishedRun, tmp_path: 
     assert (code, out) == (130, "")
     assert messages.endswith(f"interrupted; {RESUME}")
     assert "Traceback" not in messages
-    report = plain(summarised(gathered(RunFolder.open(tmp_path / "the run"))))
+    report = plain(summarised(evidence_of(RunFolder.open(tmp_path / "the run"))))
     kept = numbers(report)
     assert 1 <= report["trials"]["finished"] == len(kept) < TRIALS
     assert all(record in numbers(finished.document) for record in kept)

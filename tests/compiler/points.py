@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.compiler.declarations import Entry
+from graspdsl.compiler.declarations import Declaration
 from graspdsl.compiler.definitions import prelude
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
@@ -32,7 +32,7 @@ def over_points(formula: str, **control: Any) -> Pipeline:
     """The pipeline of a formula over γ1 to γ8; Γ is five of them, two of which are a virtual contact."""
     complaints = Complaints()
     names = {**{f"γ{i + 1}": name for i, name in enumerate(POINTS.contacts)}, "Γ": GRASP}
-    entries = [Entry(SourceText.of(name), SourceText.of(meaning), ()) for name, meaning in names.items()]
+    entries = [Declaration(SourceText.of(name), SourceText.of(meaning), ()) for name, meaning in names.items()]
     table = ResourceTable(entries, POINTS, complaints, senses_gravity=True)
     checker = Checker(table, prelude(), {}, complaints)
     stages = checker.stages(parse_expression(SourceText.of(formula)))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.report.evidence import Course, Evidence
+from graspdsl.report.evidence import Evidence, ResidualCourse
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
@@ -49,9 +49,9 @@ def _program(experiment: int) -> Program:
     return program_of(spec.read_text("utf-8"), spec.name)
 
 
-def _course(trial: HandMade) -> Course:
+def _course(trial: HandMade) -> ResidualCourse:
     force, moment = np.array(trial.forces, dtype=float), np.array(trial.moments, dtype=float)
-    return Course(np.arange(len(force)) / 50.0, force, moment, trial.touching)
+    return ResidualCourse(np.arange(len(force)) / 50.0, force, moment, trial.touching)
 
 
 def _record(number: int, trial: HandMade) -> TrialRecord:

@@ -14,7 +14,7 @@ from stored_runs import stored_run
 
 from graspdsl.report.comparison import Comparison, comparison_tables
 from graspdsl.report.comparison import comparison as comparison_of
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.statistics import UNPAIRED_MEDIANS, UNPAIRED_SHARES
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.outcomes import Outcome
@@ -35,7 +35,7 @@ def composite(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
 
 def compared(folders: Sequence[RunFolder]) -> Comparison:
     """The comparison of runs."""
-    return comparison_of([(evidence, summarised(evidence)) for evidence in map(gathered, folders)])
+    return comparison_of([(evidence, summarised(evidence)) for evidence in map(evidence_of, folders)])
 
 
 def comparison(folders: Sequence[RunFolder]) -> Any:

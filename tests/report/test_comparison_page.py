@@ -19,7 +19,7 @@ from graspdsl.report.comparison_page import (
     residual_figure,
     write_comparison,
 )
-from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.evidence import Evidence, evidence_of
 from graspdsl.report.summary import summarised
 from report.reader import Reader
 
@@ -35,7 +35,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Evidence]:
         stored_run(place / "b", SPECS / "cstar.yaml", "trials.count=4", "about=a <b>"),
         stored_run(place / "c", SPECS / "cstar.yaml", begun=False),
     ]
-    return [gathered(folder) for folder in folders]
+    return [evidence_of(folder) for folder in folders]
 
 
 def compared(runs: list[Evidence]) -> Comparison:

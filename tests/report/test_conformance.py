@@ -12,7 +12,7 @@ from scipy import stats
 from stored_runs import stored_run
 
 from graspdsl.report.claims import Claim, claims_of
-from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.evidence import Evidence, evidence_of
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.summary import summarised
 from report.hand_made import HandMade, evidence
@@ -269,4 +269,4 @@ def test_every_claim_says_its_bound() -> None:
 
 def test_a_run_of_something_else_has_no_claims(tmp_path: Path) -> None:
     spec = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
-    assert claims_of_run(gathered(stored_run(tmp_path / "other", spec, begun=False))) == []
+    assert claims_of_run(evidence_of(stored_run(tmp_path / "other", spec, begun=False))) == []

@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.ndimage import gaussian_filter1d
 
 from graspdsl.arrays import Array
-from graspdsl.report.evidence import Course
+from graspdsl.report.evidence import ResidualCourse
 from graspdsl.report.mean_courses import MeanCourses, lag_of, mean_courses, settled_at
 
 TICKS, RUNS = 400, 60
@@ -29,7 +29,7 @@ def scattered(random: np.random.Generator, mean: Array, count: int, size: float)
 
 def found(force: Array, moment: Array) -> MeanCourses:
     time = np.arange(TICKS) / 50.0
-    answer = mean_courses([Course(time, f, m, touching=True) for f, m in zip(force, moment, strict=True)])
+    answer = mean_courses([ResidualCourse(time, f, m, touching=True) for f, m in zip(force, moment, strict=True)])
     assert answer is not None
     return answer
 

@@ -18,7 +18,7 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.report import figures
 from graspdsl.report.claims import Claim
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
-from graspdsl.report.evidence import Evidence, gathered
+from graspdsl.report.evidence import Evidence, evidence_of
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.page import FIGURES, PAGE, drawings_of
@@ -38,15 +38,15 @@ BULLET = SPECS / "towel_roll_two_contacts.yaml"
 PICTURE = b"\x89PNG\r\n\x1a\n and so on"
 
 
-def evidence_of(place: Path, spec: Path, *overrides: str, begun: bool = True) -> Evidence:
+def of_run(place: Path, spec: Path, *overrides: str, begun: bool = True) -> Evidence:
     """The evidence of a run of a spec; of one that never began where it is not to be run."""
-    return gathered(stored_run(place, spec, *overrides, begun=begun))
+    return evidence_of(stored_run(place, spec, *overrides, begun=begun))
 
 
 @pytest.fixture(scope="module")
 def floating(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     """A run of floating contacts that mostly converges."""
-    return evidence_of(tmp_path_factory.mktemp("a") / "run", FLOATING, "trials.count=8")
+    return of_run(tmp_path_factory.mktemp("a") / "run", FLOATING, "trials.count=8")
 
 
 def page(evidence: Evidence, **shown: Any) -> str:
@@ -135,7 +135,7 @@ def test_files_take_the_place_of_earlier_ones(floating: Evidence) -> None:
 
 
 def test_a_folder_that_cannot_be_written_to_keeps_what_it_had(tmp_path: Path) -> None:
-    evidence = evidence_of(tmp_path / "run", FLOATING, "trials.count=1")
+    evidence = of_run(tmp_path / "run", FLOATING, "trials.count=1")
     (evidence.folder.path / FIGURES).write_text("no folder", "utf-8")
     with pytest.raises(DiagnosticError, match="cannot write to this folder"):
         write_report(evidence)
@@ -143,20 +143,20 @@ def test_a_folder_that_cannot_be_written_to_keeps_what_it_had(tmp_path: Path) ->
 
 
 def test_a_run_that_never_began_has_a_page(tmp_path: Path) -> None:
-    text = read(page(evidence_of(tmp_path / "run", FLOATING, "trials.count=3", begun=False))).text
+    text = read(page(of_run(tmp_path / "run", FLOATING, "trials.count=3", begun=False))).text
     assert "No trial has finished, so nothing is known." in text
     assert "Only 0 of 3 trials are finished." in text
-    assert "<svg" not in page(gathered(RunFolder.open(tmp_path / "run")))
+    assert "<svg" not in page(evidence_of(RunFolder.open(tmp_path / "run")))
 
 
 def test_one_trial_has_a_page(tmp_path: Path) -> None:
-    evidence = evidence_of(tmp_path / "run", FLOATING, "trials.count=1")
+    evidence = of_run(tmp_path / "run", FLOATING, "trials.count=1")
     assert "of 1 trial converged" in read(page(evidence)).text
 
 
 def test_a_single_contact_has_no_orientation_but_residuals(tmp_path: Path) -> None:
     settings = ('resources.Γ="{γ1}"', "trials.count=2", "program.0.limit=1.0")
-    evidence = evidence_of(tmp_path / "run", FLOATING, *settings)
+    evidence = of_run(tmp_path / "run", FLOATING, *settings)
     assert not np.isfinite([record.orientation_end for record in evidence.records]).any()
     text = read(page(evidence)).text
     assert "No grasp had an orientation" in text
@@ -194,7 +194,7 @@ def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: E
 def test_a_run_on_a_grid_shows_its_map(tmp_path: Path) -> None:
     axes = "[{parameter: roll, low: -0.2, high: 0.2, cells: 2}, {parameter: height, low: 0.1, high: 0.12, cells: 1}]"
     settings = (f"trials.grid={axes}", "trials.count=2", "program.1.limit=0.5")
-    evidence = evidence_of(tmp_path / "run", BULLET, *settings)
+    evidence = of_run(tmp_path / "run", BULLET, *settings)
     text = read(page(evidence)).text
     assert "Starts lie on a grid and are not drawn at random" in text
     assert "The starts on the run's grid" in text
@@ -203,9 +203,7 @@ def test_a_run_on_a_grid_shows_its_map(tmp_path: Path) -> None:
 
 
 def test_probes_are_called_probes(tmp_path: Path) -> None:
-    evidence = evidence_of(
-        tmp_path / "run", SPECS / "compare" / "probing.yaml", "trials.count=1", "program.1.limit=4.0"
-    )
+    evidence = of_run(tmp_path / "run", SPECS / "compare" / "probing.yaml", "trials.count=1", "program.1.limit=4.0")
     text = read(page(evidence)).text
     assert "a tick is a probe" in text
     assert "probes since the controller took over" in text
@@ -214,7 +212,7 @@ def test_probes_are_called_probes(tmp_path: Path) -> None:
 
 def test_text_of_users_stays_text(tmp_path: Path) -> None:
     settings = ("about=<script>alert(1)</script> $x$", "scene.object.name=<script>alert(2)</script>", "trials.count=1")
-    evidence = evidence_of(tmp_path / "<b>", FLOATING, *settings)
+    evidence = of_run(tmp_path / "<b>", FLOATING, *settings)
     detailed = dataclasses.replace(evidence.records[0], detail="<script>alert(3)</script>")
     whole = page(dataclasses.replace(evidence, records=(detailed,)))
     assert whole.count("<script") == 1

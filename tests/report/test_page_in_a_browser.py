@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from stored_runs import stored_run
 
 from graspdsl.report.claims import Claim
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.page import FIGURES, write_report
 from graspdsl.report.summary import summarised
@@ -39,7 +39,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     settings = ("trials.count=12", "program.0.limit=1.1", f"about={SAID}", f"scene.object.name={SAID}")
     folder = stored_run(tmp_path_factory.mktemp("page") / "run", SPEC, *settings)
     claim = Claim("one", "x " * 60, "b", "y", Verdict.AGREES, why="z " * 60)
-    evidence = gathered(folder)
+    evidence = evidence_of(folder)
     return write_report(evidence, summarised(evidence), claims=[claim])
 
 

@@ -14,7 +14,7 @@ from trials.whole import whole_rows
 
 from graspdsl.arrays import Float32Array
 from graspdsl.cli.tables import summary_text
-from graspdsl.report.evidence import gathered
+from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import notes
 from graspdsl.report.summary import plain, repeating, summarised
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
@@ -29,7 +29,7 @@ REJECTED = tuple(RejectedStart({}, reason) for reason in ("it rains", "it snows"
 
 def _numbers(folder: RunFolder) -> Any:
     """The numbers of a run as JSON has them."""
-    return plain(summarised(gathered(folder)))
+    return plain(summarised(evidence_of(folder)))
 
 
 def _record(number: int, **values: Any) -> TrialRecord:
@@ -142,7 +142,7 @@ def test_trials_that_repeat_others_are_told_beside_the_share(
 ) -> None:
     """On a terminal and on the page."""
     folder = build(*(_record(number) for number in range(4)), overrides=(f"trials.start={start}",))
-    evidence = gathered(folder)
+    evidence = evidence_of(folder)
     summary = summarised(evidence)
     assert summary.different == different
     for text in (" ".join(summary_text(summary).split()), " ".join(notes(evidence, summary))):

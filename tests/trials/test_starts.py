@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from graspdsl.hands.descriptions import hands
 from graspdsl.objects.shape import shaded
 from graspdsl.objects.shapes import catalogue
-from graspdsl.spec.trials import Start as StartSpec
+from graspdsl.spec.trials import StartSettings
 from graspdsl.trials.starts import PLACEMENTS_EACH, draws, generator
 from graspdsl.worlds.start_pose import pose
 
@@ -71,7 +71,7 @@ def test_tilt_lowers_the_view_of_the_palm() -> None:
 
 
 def test_a_redraw_keeps_the_orientation_and_moves_the_hand() -> None:
-    spec = StartSpec.model_validate({"roll": {"uniform": [-1.0, 1.0]}, "height": {"uniform": [0.05, 0.15]}})
+    spec = StartSettings.model_validate({"roll": {"uniform": [-1.0, 1.0]}, "height": {"uniform": [0.05, 0.15]}})
     drawn = list(itertools.islice(draws(spec, ROLL, PALM, generator(1, 0)), PLACEMENTS_EACH + 1))
     rolls = [start.drawn["roll"] for start in drawn]
     assert len(set(rolls[:PLACEMENTS_EACH])) == 1
@@ -89,14 +89,14 @@ def test_a_redraw_keeps_the_orientation_and_moves_the_hand() -> None:
     ],
 )
 def test_values_follow_their_distribution(distribution: object, mean: float, low: float, high: float) -> None:
-    spec = StartSpec.model_validate({"roll": distribution})
+    spec = StartSettings.model_validate({"roll": distribution})
     values = [next(draws(spec, ROLL, PALM, generator(3, trial))).drawn["roll"] for trial in range(2000)]
     assert np.mean(values) == pytest.approx(mean, abs=0.06)
     assert low <= min(values) <= max(values) <= high
 
 
 def test_a_trial_draws_the_same_whatever_else_is_run() -> None:
-    spec = StartSpec.model_validate({"roll": {"uniform": [-1.0, 1.0]}})
+    spec = StartSettings.model_validate({"roll": {"uniform": [-1.0, 1.0]}})
     first = [next(draws(spec, ROLL, PALM, generator(7, trial))).drawn["roll"] for trial in range(5)]
     last = [next(draws(spec, ROLL, PALM, generator(7, trial))).drawn["roll"] for trial in (4, 3, 2, 1, 0)]
     assert first == last[::-1]

@@ -25,7 +25,7 @@ def camera_on_grasp(
     return camera_on(np.concatenate([tips, [origin], scene.object_corners()]), direction, width, height)
 
 
-def taken(engine: Any, client: int, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
+def picture_of(engine: Any, client: int, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
     """The picture that a camera takes of an engine's world, before a calm background.
 
     Each pixel is the mean of so many by so many, which smooths edges; the time grows with their number.

@@ -15,7 +15,7 @@ from graspdsl.objects.shapes import Body
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.pictures import camera_on_grasp, taken
+from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.solids import visual_of
@@ -39,7 +39,7 @@ class Studio:
 
     def picture(self, camera: Camera, oversampling: int = OVERSAMPLING) -> Picture:
         """What a camera sees now."""
-        return taken(self.engine, self.client, camera, oversampling)
+        return picture_of(self.engine, self.client, camera, oversampling)
 
     @property
     def is_open(self) -> bool:

@@ -11,7 +11,7 @@ from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.fingertips import BulletFingertips
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.kind import Bullet
-from graspdsl.worlds.bullet.pictures import camera_on_grasp, taken
+from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
 from graspdsl.worlds.bullet.start_postures import StartPostures, root_pose
@@ -178,7 +178,7 @@ class BulletWorld:
         """A rendered (height, width, 3) picture of the scene, 0…255, with the software renderer."""
         contacts = range(len(self.hand.tips))
         camera = camera_on_grasp(self.hand, self._scene, contacts, width, height)
-        return taken(self._engine, self._client, camera)
+        return picture_of(self._engine, self._client, camera)
 
     @property
     def is_open(self) -> bool:

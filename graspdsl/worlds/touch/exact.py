@@ -6,7 +6,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.spec.sensing import Exact
-from graspdsl.worlds.touch.fingertip_sensor import Contact, FingertipSensor, Frames
+from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 
 
 class ExactContacts(FingertipSensor):
@@ -23,8 +23,8 @@ class ExactContacts(FingertipSensor):
         self.truth, self.frames = self.hand.contacts(), frames
         return np.asarray(np.nan_to_num(np.linalg.norm(self.truth[2], axis=1)))
 
-    def contact(self, tip: int) -> Contact:
+    def contact(self, tip: int) -> TipContact:
         """The true contact of a tip."""
         point, normal, force = (part[tip] for part in self.truth)
         origin, rotation = self.frames[tip]
-        return Contact(rotation.T @ (point - origin), point, normal, force)
+        return TipContact(rotation.T @ (point - origin), point, normal, force)

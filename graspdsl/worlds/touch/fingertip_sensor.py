@@ -70,7 +70,7 @@ class Clock(NamedTuple):
     control: float
 
 
-class Contact(NamedTuple):
+class TipContact(NamedTuple):
     """A contact as it is felt: its place in the frame of the tip's link; point, normal into the object and force on it
     in the world, (3,) each."""
 
@@ -145,7 +145,7 @@ class FingertipSensor(ABC):
         """Take the present reading and give the force (k,) [N] that each tip feels; frames: those of the tips."""
 
     @abstractmethod
-    def contact(self, tip: int) -> Contact:
+    def contact(self, tip: int) -> TipContact:
         """The contact of a tip that touches, in the present reading."""
 
     def at(self, tip: int, from_centre: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from graspdsl.worlds.touch.fingertip_sensor import Clock, FingertipPhysics
 from graspdsl.worlds.touch.sensors import sensor_for
 
 
-class Reading(NamedTuple):
+class TipReading(NamedTuple):
     """One tick's tactile reading; world frame but for ``local``, the contact points in the tips' link frames."""
 
     points: Array
@@ -64,7 +64,7 @@ class Fingertips:
         """Take the mean of the readings at rest as zero, or the present one if none were noted."""
         self._sensor.tare(self._step)
 
-    def read(self) -> Reading:
+    def read(self) -> TipReading:
         """Points, normals and forces of all contacts as this sensing gives them."""
         frames = self._hand.frames()
         strengths = self._sensor.strengths(self._step, frames)
@@ -80,7 +80,7 @@ class Fingertips:
                 normals[i] = self._predicted_normal(i)
             local.append(place)
         rotations = np.array([rotation for _, rotation in frames])
-        return Reading(points, normals, forces, self._touching.copy(), tuple(local), rotations)
+        return TipReading(points, normals, forces, self._touching.copy(), tuple(local), rotations)
 
     def _predicted_normal(self, contact: int) -> Array:
         """Where a contact that does not touch will meet the surface.

@@ -7,7 +7,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.spec.sensing import LoadCell
-from graspdsl.worlds.touch.fingertip_sensor import Contact, FingertipSensor, Frames
+from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 from graspdsl.worlds.touch.signals import Flaws
 
 
@@ -59,9 +59,9 @@ class LoadCells(FingertipSensor):
         self.loads, self.frames = self._loads(step, frames) - self.zero, frames
         return np.array([np.linalg.norm(load[:3]) for load in self.loads])
 
-    def contact(self, tip: int) -> Contact:
+    def contact(self, tip: int) -> TipContact:
         """Where the load of a tip acts."""
         load, surface = self.loads[tip], self.surfaces[tip]
         _, rotation = self.frames[tip]
         from_centre = surface.contact(load[:3], load[3:])
-        return Contact(*self.at(tip, from_centre), rotation @ surface.normal(from_centre), -rotation @ load[:3])
+        return TipContact(*self.at(tip, from_centre), rotation @ surface.normal(from_centre), -rotation @ load[:3])

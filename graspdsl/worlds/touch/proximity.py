@@ -9,7 +9,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.spec.sensing import Proximity
 from graspdsl.worlds.touch.compliance import force_of_dent
-from graspdsl.worlds.touch.fingertip_sensor import Contact, FingertipSensor, Frames
+from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 from graspdsl.worlds.touch.signals import Flaws
 
 FAINT = 0.3  # of the tip's size: a shorter mean of directions tells nothing
@@ -65,12 +65,12 @@ class ProximitySensors(FingertipSensor):
         """The place on the surface that is nearest to the object, from the centre, in the tip's frame."""
         return self.surfaces[tip].nearest(self.readings[tip, 1:] * self._sizes[tip])
 
-    def contact(self, tip: int) -> Contact:
+    def contact(self, tip: int) -> TipContact:
         """The contact of a dented tip."""
         from_centre = self._place(tip)
         normal = self.frames[tip][1] @ self.surfaces[tip].normal(from_centre)
         force = force_of_dent(-self.readings[tip, 0], self.spec.stiffness)
-        return Contact(*self.at(tip, from_centre), normal, force * normal)
+        return TipContact(*self.at(tip, from_centre), normal, force * normal)
 
     def normal_ahead(self, tip: int) -> Array | None:
         """The normal into the surface that is nearest, within range."""

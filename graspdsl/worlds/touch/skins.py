@@ -8,7 +8,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.spec.sensing import Skin
-from graspdsl.worlds.touch.fingertip_sensor import Contact, FingertipSensor, Frames
+from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 from graspdsl.worlds.touch.signals import Flaws
 from graspdsl.worlds.touch.surfaces import Taxels
 
@@ -93,10 +93,10 @@ class Skins(FingertipSensor):
         inside = np.sum((points - points[strongest]) ** 2, axis=1) <= self.spec.window**2
         return points[inside], forces[inside]
 
-    def contact(self, tip: int) -> Contact:
+    def contact(self, tip: int) -> TipContact:
         """The centroid of the pressure on a tip."""
         points, forces = self.pressed[tip]
         surface, total = self.surfaces[tip], float(forces.sum())
         from_centre = surface.nearest(forces @ points / total)
         normal = self.frames[tip][1] @ surface.normal(from_centre)
-        return Contact(*self.at(tip, from_centre), normal, total * normal)
+        return TipContact(*self.at(tip, from_centre), normal, total * normal)
