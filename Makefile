@@ -1,10 +1,11 @@
 # make demo   install into .venv and run the main example
 # make test   install into .venv with the developers' tools; lint, types, tests
+# make check  the same without slow tests, for while one works
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo experiments test lint types unit clean
+.PHONY: demo experiments test check lint types unit clean
 
 demo: $(VENV)/.installed
 	$(BIN)/graspdsl run specs/towel_roll_two_contacts.yaml
@@ -14,6 +15,9 @@ experiments: $(VENV)/.installed
 	$(BIN)/graspdsl experiments specs/experiments/*.yaml $(if $(SEED),--seed $(SEED))
 
 test: lint types unit
+
+check: lint types
+	$(BIN)/pytest -n auto -m "not slow"
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
