@@ -42,6 +42,7 @@ def test_a_spec_is_valid(name: str) -> None:
     assert not has_errors(examination.diagnostics)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_two_trials_of_a_spec_run(name: str) -> None:
     loop = trial_loop(program_of((SPECS / name).read_text("utf-8"), name))

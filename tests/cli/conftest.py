@@ -9,6 +9,13 @@ import pytest
 from cli.program import SPEC, TRIALS, FinishedRun, graspdsl
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Whoever looks at the run waits for it."""
+    for item in items:
+        if "finished" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> FinishedRun:
     """A run of TRIALS trials; not to be changed."""

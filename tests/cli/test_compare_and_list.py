@@ -17,6 +17,8 @@ from graspdsl.hands.descriptions import mounts
 from graspdsl.worlds.kinds import WORLDS
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 
 

@@ -58,6 +58,7 @@ def named(folder: Path, file: str, *changes: tuple[str, str]) -> Path:
     return Path(file)
 
 
+@pytest.mark.slow
 def test_claims_and_pages(ended: Path) -> None:
     claims = json.loads((ended / "answer.json").read_text("utf-8"))["claims"]
     assert {claim["experiment"] for claim in claims} == {"experiment-4"}
@@ -73,6 +74,7 @@ def test_a_run_knows_the_name_of_its_spec_not_where_it_was(ended: Path) -> None:
     assert manifest["spec_file"] == SPEC.name
 
 
+@pytest.mark.slow
 def test_what_was_run_before_is_not_run_again(copied: Path) -> None:
     answer = CliRunner().invoke(app, ["experiments", str(SPEC), *QUICK, "--out", "all"])
     assert answer.exit_code == 0, answer.stderr
@@ -81,6 +83,7 @@ def test_what_was_run_before_is_not_run_again(copied: Path) -> None:
     del copied
 
 
+@pytest.mark.slow
 def test_a_spec_without_claims_is_refused(tmp_path: Path) -> None:
     done = graspdsl(
         "experiments", str(ROOT / "specs" / "towel_roll_two_contacts.yaml"), "--out", str(tmp_path / "x"), cwd=tmp_path
@@ -110,6 +113,7 @@ def test_the_name_alone_makes_no_experiment(
     assert not Path("x").exists()
 
 
+@pytest.mark.slow
 def test_a_run_that_is_no_experiment_has_a_page_without_claims(tmp_path: Path) -> None:
     named(tmp_path, "mine.yaml", ("object: detergent-bottle", "object: squirt-bottle"))
     quick = ("--set", "evaluate=[]", "--set", "scene.mount=gantry", "--set", "program.1.limit=0.1", "--trials", "1")
@@ -154,6 +158,7 @@ def test_runs_of_something_else_are_found_before_the_first_trial(
     assert not (copied / "experiment-3").exists()
 
 
+@pytest.mark.slow
 def test_runs_of_other_versions_and_other_things_are_found_too(copied: Path) -> None:
     shutil.copytree(copied, "other")
     (Path("other") / "experiment-4" / "run.json").unlink()
@@ -181,6 +186,7 @@ def test_no_folder_for_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         assert (exit_code, messages.count(f"error[{code}]")) == (1, 1)
 
 
+@pytest.mark.slow
 def test_the_command_that_goes_on_is_the_one_that_was_given(ended: Path, tmp_path: Path) -> None:
     words = ["experiments", str(SPEC), *QUICK, "--out", "the folder", "--json"]
     begun = stopped(*words, cwd=tmp_path, after=" 1/2 ", stop=interrupt)
@@ -194,6 +200,7 @@ def test_the_command_that_goes_on_is_the_one_that_was_given(ended: Path, tmp_pat
     assert json.loads(done.stdout)["claims"] == json.loads((ended / "answer.json").read_text("utf-8"))["claims"]
 
 
+@pytest.mark.slow
 def test_a_refusal_is_one_json_document(tmp_path: Path) -> None:
     named(tmp_path, "mine.yaml", ("object: detergent-bottle", "object: squirt-bottle"))
     assert codes(graspdsl("experiments", "mine.yaml", "--json", cwd=tmp_path)) == ["other-experiment"]

@@ -113,6 +113,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [("run", "--resume"), ("report",)])
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
@@ -124,6 +125,7 @@ def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
     assert answer.stdout == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loss", ["row", "trajectory", "trajectory cut", "all trajectories"])
 def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun, tmp_path: Path) -> None:
     file = copied / "trajectories" / "1.npz"
@@ -144,6 +146,7 @@ def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRu
     assert numbers(json.loads(answer.stdout)) == numbers(json.loads(report.stdout)) == numbers(finished.document)
 
 
+@pytest.mark.slow
 def test_a_complete_run_is_only_reported(copied: Path) -> None:
     before = (copied / "trials.sqlite").read_bytes()
     answer = CliRunner().invoke(app, ["run", str(SPEC), "--resume", "run", "--workers", "2"])
@@ -155,6 +158,7 @@ def test_a_complete_run_is_only_reported(copied: Path) -> None:
     assert (copied / "trials.sqlite").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_run_from_another_spec(copied: Path, tmp_path: Path) -> None:
     text = SPEC.read_text(encoding="utf-8").replace("friction: 0.4", "friction: 0.5")
     (tmp_path / "other.yaml").write_text(text, encoding="utf-8")
@@ -200,6 +204,7 @@ def test_trials_of_another_run(copied: Path) -> None:
     _refused_as_another(("report", "run"))
 
 
+@pytest.mark.slow
 def test_a_run_of_other_versions_is_reported(copied: Path) -> None:
     """Libraries differ between machines; a spec may mean something else only to another graspdsl."""
     made_by = json.loads((copied / "run.json").read_text("utf-8"))["versions"]
@@ -218,6 +223,7 @@ def test_a_run_of_other_versions_is_reported(copied: Path) -> None:
     assert answer.stderr.startswith("run: warning[run-unchecked]: this run was made by graspdsl 0.0.1; whether from")
 
 
+@pytest.mark.slow
 def test_what_steers_a_terminal_is_shown_and_not_done(copied: Path) -> None:
     """A folder's name and a library's version may hold anything; neither reaches the terminal as it is."""
     named = copied.rename(copied.parent / "run\x1b[2J\x9b1A")

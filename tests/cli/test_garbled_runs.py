@@ -23,6 +23,8 @@ from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
 
+pytestmark = pytest.mark.slow
+
 SPEC = ROOT / "specs" / "compare" / "moment_subject_to_force.yaml"
 FILES = ("run.json", "spec.yaml", "trials.sqlite", "trajectories/0.npz", "trajectories/1.npz")
 GARBLED, SHOWN = 250, 6

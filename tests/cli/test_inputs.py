@@ -14,6 +14,8 @@ from typer.testing import CliRunner
 from cli.program import ROOT, SPEC, codes, graspdsl
 from graspdsl.cli.app import app
 
+pytestmark = pytest.mark.slow
+
 FORMULA = "π_s|Γ Γ (π_gx|Γ Γ)"
 
 # What replaces what in the shipped spec, and the complaints it gets.

@@ -19,6 +19,8 @@ from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.store import RunFolder
 
+pytestmark = pytest.mark.slow
+
 RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
 
 

@@ -13,6 +13,8 @@ import trimesh
 
 from cli.program import PROGRAM, ROOT, graspdsl, numbers
 
+pytestmark = pytest.mark.slow
+
 HANDS = ROOT / "graspdsl" / "hands"
 SPEC = ROOT / "specs" / "hands" / "trio_towel_roll.yaml"
 SHORT = ("--set", "program.1.limit=0.5", "--workers", "1")

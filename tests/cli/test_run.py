@@ -16,6 +16,8 @@ from pydantic import BaseModel, ConfigDict
 from cli.program import PROGRAM, SPEC, TRIALS, FinishedRun, graspdsl, numbers
 from graspdsl.trials.outcomes import OUTCOMES
 
+pytestmark = pytest.mark.slow
+
 
 class _Exact(BaseModel):
     model_config = ConfigDict(strict=True, allow_inf_nan=False)

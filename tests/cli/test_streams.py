@@ -16,6 +16,8 @@ import pytest
 
 from cli.program import PROGRAM, SPEC, FinishedRun, graspdsl
 
+pytestmark = pytest.mark.slow
+
 FULL = Path("/dev/full")
 
 

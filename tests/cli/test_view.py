@@ -24,6 +24,8 @@ from graspdsl.worlds.bullet.replay import GraspStudio, HandStudio, SurfaceStudio
 
 from .program import ROOT, SPEC, graspdsl, interrupt, stopped
 
+pytestmark = pytest.mark.slow
+
 QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
 HANDS = ROOT / "graspdsl" / "hands"
 FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"

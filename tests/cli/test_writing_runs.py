@@ -16,6 +16,8 @@ from cli.program import SPEC, begun, graspdsl, interrupt, numbers, stopped
 from graspdsl.cli.app import app
 from graspdsl.trials.store import RunFolder, locked
 
+pytestmark = pytest.mark.slow
+
 FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
 COUNT = "40"
 GO_ON = "hint: finished trials are kept. Once that is mended, to go on: graspdsl run --resume run\n"

@@ -85,6 +85,7 @@ def test_formulas_are_checked_beside_a_hand_that_is_not_there() -> None:
     assert codes == ["unknown-hand", "unknown-potential", "unknown-resource"]
 
 
+@pytest.mark.slow
 def test_many_definitions_of_definitions_are_checked_in_moderate_time() -> None:
     """A chain of a thousand, and a thousand that each double what stands before."""
     began = time.perf_counter()

@@ -20,10 +20,12 @@ GOLDEN = Path(__file__).parents[1] / "golden" / "diagnostics.txt"
 EACH_CASE = pytest.mark.parametrize("case", CASES, ids=lambda case: case.about)
 
 
+@pytest.mark.slow
 def test_diagnostics_are_worded_as_ever() -> None:
     assert GOLDEN.read_text(encoding="utf-8").rstrip("\n").split("\n\n") == list(report())
 
 
+@pytest.mark.slow
 @EACH_CASE
 def test_nothing_is_said_twice(case: Case) -> None:
     places = [(diagnostic.span, diagnostic.code, diagnostic.message) for diagnostic in case.diagnostics]
@@ -42,6 +44,7 @@ def test_places_lie_in_the_text_and_hints_end_without_a_stop(case: Case) -> None
         assert not (diagnostic.hint or "").endswith(".")
 
 
+@pytest.mark.slow
 @EACH_CASE
 def test_only_errors_keep_a_spec_from_running(case: Case) -> None:
     found = examine(case.text, "spec.yaml", case.overrides)
@@ -68,6 +71,7 @@ def _patterns(code: ast.expr) -> Iterator[str]:
             yield from (*_patterns(body), *_patterns(otherwise))
 
 
+@pytest.mark.slow
 def test_every_code_of_the_compiler_has_a_case() -> None:
     met = {diagnostic.code for case in CASES for diagnostic in case.diagnostics}
     modules = Path(graspdsl.compiler.__path__[0]).glob("*.py")

@@ -23,6 +23,8 @@ from . import strategies
 from .observations import TARGET, observation
 from .specs import spec
 
+pytestmark = pytest.mark.slow
+
 UNHURRIED = settings(deadline=None)
 
 

@@ -214,6 +214,7 @@ def test_without_gravity_nothing_turns(sensed: str, origin: str) -> None:
             assert np.abs(command(formula, observation(seed), **form, origin=origin)).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sensed", WEIGHED)
 def test_a_held_object_turns_until_its_contacts_oppose_gravity(sensed: str) -> None:
     """The force residual falls all the way until their net presses straight up, whichever way it starts."""
@@ -247,6 +248,7 @@ def test_the_fingers_that_hold_an_object_keep_still() -> None:
 # --- orientation ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_orientation_servo_reaches_its_reference_the_short_way_round() -> None:
     """On a wrist that turns a contact about fixed axes, from any orientation to any other."""
     rolls = picked("wrist-roll-x", "wrist-roll-y", "wrist-roll-z")

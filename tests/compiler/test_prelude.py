@@ -129,6 +129,7 @@ def test_use_is_explained(use: Use) -> None:
     assert "Eq. Sec." not in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("formula", "written_out"),
     [

@@ -84,6 +84,7 @@ def test_a_chain_holds_where_nested_projection_leaks() -> None:
         assert np.linalg.norm(second_task @ nested) > 1e-4 * np.linalg.norm(nested)
 
 
+@pytest.mark.slow
 def test_lower_levels_reach_their_goals_with_the_freedom_that_is_left() -> None:
     """Ten joints in a linear world have enough of it for one force and two positions."""
     pipeline, seen = compiled(THREE, nullspace="task", cap=0.1), observation()

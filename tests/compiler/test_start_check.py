@@ -20,6 +20,7 @@ def told(*settings: str) -> dict[str, str]:
     return {diagnostic.code: diagnostic.message for diagnostic in found}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("settings", "code", "said"),
     [
@@ -66,6 +67,7 @@ def test_shipped_specs_can_begin(spec: Path) -> None:
     assert codes & {"start-out-of-place", "object-too-wide", "object-falls", "object-size"} == set()
 
 
+@pytest.mark.slow
 def test_no_simulator_is_started() -> None:
     code = (
         "import sys; from pathlib import Path; from graspdsl.compiler.program import examine; "

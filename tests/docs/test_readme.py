@@ -12,7 +12,7 @@ import pytest
 
 from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import as_text
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -41,6 +41,7 @@ def shell_blocks() -> list[list[str]]:
     return [commands for commands in found if commands]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("commands", shell_blocks(), ids=lambda commands: commands[0])
 def test_commands_run(commands: list[str], tmp_path: Path) -> None:
     """The graspdsl commands run as they stand; runs go to a folder of their own."""
@@ -55,12 +56,13 @@ def test_commands_run(commands: list[str], tmp_path: Path) -> None:
 def _alike(line: str) -> str:
     """A line without what may be otherwise on another machine: numbers, how a trial ended, what was said of it, and how
     wide a table is for that."""
-    ending = "|".join(Outcome)
+    ending = "|".join(OUTCOMES)
     line = re.sub(rf"^({ending}) +(?!\d)\S.*", "outcome and why", line)
     line = re.sub("─+", "─", line)
     return re.sub(r"-?\d[\d.]*", "1", " ".join(re.sub(rf"^({ending}) ", "outcome ", line).split()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "text"), blocks("printed"))
 def test_what_is_printed_is_real(command: str, text: str, tmp_path: Path) -> None:
     """The lines of a block that shows a command's output are lines that it prints, in their order."""

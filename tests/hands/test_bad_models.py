@@ -286,6 +286,7 @@ def _mutants() -> Iterator[tuple[str, ElementTree.Element]]:
                 yield f"{number} {element.tag}, {element[child].tag} {what}", mutant
 
 
+@pytest.mark.slow
 def test_no_mutant_of_a_model_gets_past_but_whole() -> None:
     """Each is refused with complaints, or accepted with only finite numbers; nothing else is ever raised."""
     document = parse_document(HAND, "hand.yaml")

@@ -59,6 +59,7 @@ def forces(asked: float) -> Array:
     return np.array(loop.run(0, 2006).record.contact_forces)
 
 
+@pytest.mark.slow
 def test_no_finger_of_the_engine_presses_with_more() -> None:
     """Within it what is asked for is reached; beyond it the fingers stall."""
     np.testing.assert_allclose(forces(10.0), 10.0, rtol=0.01)

@@ -179,6 +179,7 @@ def test_the_declared_shape_is_what_touches_and_is_drawn(geometry: str, declared
     np.testing.assert_allclose(reached, reach(found.hand.contacts["pad"].shape, directions), atol=1e-4)
 
 
+@pytest.mark.slow
 def test_tip_frames_without_geometry_and_mass_grasp(tmp_path: Path) -> None:
     """As most public hands have them: the Barrett hand so converges where the one with geometry and mass does."""
     urdf = (HERE / "barrett.urdf").read_text("utf-8")

@@ -178,6 +178,7 @@ def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
     assert [fault.code for fault in faults] == ["unknown-link", "unknown-joint", "out-of-range"]
 
 
+@pytest.mark.slow
 def test_a_gripper_of_others_runs(tmp_path: Path) -> None:
     """Two fingers of an arm's URDF, its arm cut off, without load cells."""
     write_gripper(tmp_path)

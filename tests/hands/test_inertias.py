@@ -107,6 +107,7 @@ def _flat_bodies() -> Iterator[tuple[list[str], list[str]]]:
         yield _rounded(np.diag(tensor), 4), _rounded(tensor[[0, 0, 1], [1, 2, 2]], 4)
 
 
+@pytest.mark.slow
 def test_rounded_moments_of_flat_bodies_are_kept_and_driven(tmp_path: Path) -> None:
     mended = 0
     for moments, products in _flat_bodies():

@@ -35,6 +35,7 @@ def _in_engine(found: FoundHand) -> Iterator[tuple[Any, int, BulletHand]]:
         engine.disconnect(client)
 
 
+@pytest.mark.slow
 def test_a_long_model_may_stand_on_one_line(tmp_path: Path) -> None:
     """The engine cuts long lines, in the midst of a number."""
     write(tmp_path, with_links(90).replace("\n", " "))

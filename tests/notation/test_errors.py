@@ -101,6 +101,7 @@ def test_ten_megabytes_are_refused_by_length(sign: str) -> None:
     assert _code_of(sign * (10_000_000 // len(sign))) == "too-long"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", ["(", ")", "<", "{", "<|", "\\", "π_a◁", "x◁", "é ", "π_a|Γ then ", "(x)", "<>(}"])
 def test_the_longest_texts_get_few_complaints(sign: str) -> None:
     with pytest.raises(DiagnosticError) as caught:

@@ -91,6 +91,7 @@ def test_canonical_is_idempotent(name: str) -> None:
     assert canonical(canonical(name)) == canonical(name)
 
 
+@pytest.mark.slow
 @given(strategies.words)
 def test_ascii_reads_back(word: str) -> None:
     name = canonical(word)
@@ -98,11 +99,13 @@ def test_ascii_reads_back(word: str) -> None:
     assert canonical(ascii_name(name)) == name
 
 
+@pytest.mark.slow
 @given(strategies.names)
 def test_names_of_the_grammar_are_names(name: Name) -> None:
     assert to_unicode(parse_resources(name.text)) == name.text
 
 
+@pytest.mark.slow
 @given(strategies.words)
 def test_a_word_means_its_canonical_name(word: str) -> None:
     name = canonical(word)
@@ -110,6 +113,7 @@ def test_a_word_means_its_canonical_name(word: str) -> None:
     assert parse_resources(word) == parse_resources(name) == Name(name)
 
 
+@pytest.mark.slow
 @given(st.sampled_from(["φ", "phi", "τ", "tau", "σ", "sigma", "π", "pi"]), strategies.subscripts)
 def test_a_role_survives_canonical_spelling(head: str, subscripts: str) -> None:
     name = canonical(head + subscripts)

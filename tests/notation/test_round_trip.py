@@ -15,6 +15,8 @@ from graspdsl.notation.tree import Expression, Head, Resources
 
 from . import strategies
 
+pytestmark = pytest.mark.slow
+
 SPELLINGS = pytest.mark.parametrize("spelling", [to_unicode, to_ascii])
 Spelling = Callable[[Printable], str]
 

@@ -48,6 +48,7 @@ def test_ellipsoid_from_anywhere(axes: tuple[float, float, float]) -> None:
     assert np.all(reach[:2000] <= gaps + 1e-12)
 
 
+@pytest.mark.slow
 @EACH_EXPONENT
 @EACH_AXES
 def test_superquadric_from_anywhere(axes: tuple[float, float, float], exponent: float) -> None:

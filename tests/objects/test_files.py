@@ -84,6 +84,7 @@ def test_the_longest_side_of_a_mesh_is_its_major_axis(tmp_path: Path) -> None:
     assert _mesh(tmp_path, trimesh.creation.box((0.1, 0.1, 0.1))).major_axis == (0.0, 0.0, 1.0)
 
 
+@pytest.mark.slow
 def test_a_mesh_that_is_not_convex_collides_as_parts(tmp_path: Path) -> None:
     hollow, solid = _mesh(tmp_path, ring()), _mesh(tmp_path, cylinder())
     assert len(convex_parts(hollow.shape)) > 5
@@ -330,6 +331,7 @@ def test_an_absolute_path_may_be_anywhere(folder: Path) -> None:
     assert program.body.name == "part"
 
 
+@pytest.mark.slow
 def test_an_object_without_a_file_needs_no_mesh_library() -> None:
     code = (
         "import sys; from graspdsl.compiler.program import program_of; from pathlib import Path; "
@@ -353,6 +355,7 @@ def _chain(links: int) -> str:
     return f"<robot><link name='l0'>{BOX}</link>{rest}</robot>"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("links", "said"), [(1900, ()), (2001, ("2001 links, where an object may have 2000",))])
 def test_very_many_links_take_no_time(links: int, said: tuple[str, ...], tmp_path: Path) -> None:
     (tmp_path / "long.urdf").write_text(_chain(links), encoding="utf-8")

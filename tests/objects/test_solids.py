@@ -53,6 +53,7 @@ def test_a_superquadric_of_exponent_two_is_an_ellipsoid() -> None:
     np.testing.assert_allclose(one.moments, other.moments, rtol=1e-12, atol=1e-18)
 
 
+@pytest.mark.slow
 @EACH_SHAPE
 def test_integrals_agree_with_a_count_of_cells(name: str) -> None:
     shape = SHAPES[name]
@@ -66,6 +67,7 @@ def test_integrals_agree_with_a_count_of_cells(name: str) -> None:
     np.testing.assert_allclose(solid.moments, moments, atol=1e-2 * np.trace(moments))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["squirt-bottle", "detergent-bottle"])
 def test_parts_of_a_compound_do_not_overlap(name: str) -> None:
     shape = catalogue()[name].shape

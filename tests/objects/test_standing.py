@@ -23,6 +23,7 @@ def test_what_is_in_the_catalogue_stands(name: str) -> None:
     assert fall_of(catalogue()[name].shape) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "degrees"),
     [
@@ -54,6 +55,7 @@ def test_a_prism_stands_while_its_middle_is_over_its_base(aside: float, stands: 
     assert (fall_of(leaning(aside)) == 0.0) is stands
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "shape",
     [

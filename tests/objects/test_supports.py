@@ -54,6 +54,7 @@ def test_the_drawn_surface_reaches_as_far_as_the_shape(name: str, direction: tup
     assert exact - DRAWN < drawn < exact + 1e-9
 
 
+@pytest.mark.slow
 @EACH_SHAPE
 @given(direction=DIRECTIONS)
 @settings(deadline=None)  # the first facets of a shape take a while
@@ -63,6 +64,7 @@ def test_the_convex_parts_reach_as_far_as_the_shape(name: str, direction: tuple[
     assert SHAPES[name].support(unit) - TESSELLATION < hulls < SHAPES[name].support(unit) + 1e-5
 
 
+@pytest.mark.slow
 @EACH_SHAPE
 def test_the_extent_is_that_of_what_is_inside(name: str) -> None:
     shape = SHAPES[name]

@@ -157,6 +157,7 @@ def test_special_points_give_numbers(surface: Surface) -> None:
     assert np.abs(surface.level(feet)).max() < ON * surface.size
 
 
+@pytest.mark.slow
 @EACH_SURFACE
 def test_a_batch_gives_what_its_points_give_alone(surface: Surface) -> None:
     points = np.concatenate([_near(surface, 0.1)[:50], special_points(surface)[:150]])

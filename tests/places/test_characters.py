@@ -132,6 +132,7 @@ def test_escapes_that_are_no_latex_are_read_as_ever(text: str) -> None:
     assert parse_with_faults(text, "test.yaml")[1] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

@@ -81,6 +81,7 @@ def test_content(tmp_path: Path, content: bytes, code: str, message: str) -> Non
     assert (diagnostic.code, diagnostic.message) == (code, message)
 
 
+@pytest.mark.slow
 def test_a_file_of_the_full_size_is_read(tmp_path: Path) -> None:
     path = tmp_path / "spec.yaml"
     path.write_text("a: " + "b" * (MEBI - 3))
@@ -92,6 +93,7 @@ MERGES = "a0: &a0 {b: 1}\n" + "".join(f"a{n}: &a{n} {{<<: [*a{n - 1}, *a{n - 1}]
 LONG_CHAIN = "a0: &a0 [1]\n" + "".join(f"a{n}: &a{n} [*a{n - 1}]\n" for n in range(1, 90))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "code"),
     [

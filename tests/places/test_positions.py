@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import string
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,6 +58,7 @@ def plain(word: str) -> str:
     return "π" + word.replace("'", "").replace('"', "") + "x"
 
 
+@pytest.mark.slow
 @given(WORDS, GAPS, st.sampled_from(["", "&a ", "!!str ", "&a # why\n      "]))
 def test_plain(words: list[str], gaps: list[str], before: str) -> None:
     writer = Writer(f"Γ: 1\np:\n  - run: {before}")
@@ -68,6 +70,7 @@ def test_plain(words: list[str], gaps: list[str], before: str) -> None:
     writer.check()
 
 
+@pytest.mark.slow
 @given(WORDS, GAPS)
 def test_single_quoted(words: list[str], gaps: list[str]) -> None:
     writer = Writer("Γ: 1\np:\n  - {run: '")
@@ -79,6 +82,7 @@ def test_single_quoted(words: list[str], gaps: list[str]) -> None:
     writer.check("'}")
 
 
+@pytest.mark.slow
 @given(WORDS, GAPS, st.data())
 def test_double_quoted(words: list[str], gaps: list[str], data: st.DataObject) -> None:
     writer = Writer('p:\n- run: "')
@@ -94,6 +98,7 @@ def test_double_quoted(words: list[str], gaps: list[str], data: st.DataObject) -
     writer.check('"')
 
 
+@pytest.mark.slow
 @given(st.lists(WORDS, min_size=1, max_size=4), st.sampled_from(["|", "|-", "|+", "|1", "&a |", "| # why"]))
 def test_literal(rows: list[list[str]], header: str) -> None:
     # With the indentation said to be one more than that of the mapping, one of the four blanks belongs to the text.
@@ -109,6 +114,7 @@ def test_literal(rows: list[list[str]], header: str) -> None:
     assert source.places[:-1] == tuple(writer.places)
 
 
+@pytest.mark.slow
 @given(WORDS, GAPS)
 def test_folded(words: list[str], gaps: list[str]) -> None:
     writer = Writer("p:\n  - run: >-\n      ")
@@ -179,6 +185,7 @@ SIGNS = [
 ]
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(st.lists(st.sampled_from(SIGNS), max_size=40).map("".join))
 def test_no_text_of_yaml_signs_breaks_the_reader(text: str) -> None:

@@ -37,6 +37,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_is_refused_is_refused_at_once(case: str) -> None:
     content, code, said = REFUSED[case]

@@ -98,6 +98,7 @@ def _least_support(wrenches: Array, seed: int) -> float:
     return least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("contacts", "model"),
     [
@@ -154,6 +155,7 @@ def test_nothing_to_measure() -> None:
 # Properties
 
 
+@pytest.mark.slow
 @given(
     seed=st.integers(0, 10_000),
     rotation=rotations,
@@ -173,6 +175,7 @@ def test_turning_moving_scaling_and_renaming_change_nothing(
     assert one.volume.value == pytest.approx(other.volume.value, rel=1e-6)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10_000), friction=st.floats(0.05, 1.0), more=st.floats(0.0, 1.0))
 @settings(max_examples=25, deadline=None)
 def test_more_friction_is_never_worse(seed: int, friction: float, more: float) -> None:

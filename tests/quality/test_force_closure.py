@@ -91,6 +91,7 @@ def test_closure_is_being_able_to_balance_every_wrench(model: ContactModel, coun
         assert force_closure(space).closed == _balances_all(space), seed
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10_000), rotation=rotations, scale=st.floats(0.01, 100.0), friction=st.floats(0.05, 1.5))
 @settings(max_examples=30, deadline=None)
 def test_turning_moving_scaling_and_renaming_change_nothing(

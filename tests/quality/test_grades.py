@@ -48,6 +48,7 @@ def said(*words: str) -> str:
     return answer.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_added")
 def test_an_added_grade_is_listed_run_and_told() -> None:
     assert json.loads(said("list", "grades", "--json"))["grades"][-1] == {

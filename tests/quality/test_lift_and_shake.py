@@ -24,6 +24,7 @@ def graded(*overrides: str, spec: Path = MAIN) -> TrialRecord:
     return trial_loop(program_of(spec.read_text("utf-8"), spec.name, settings)).run(0, 1).record
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mount", ["gantry", "wam"])
 def test_a_converged_grasp_is_kept(mount: str) -> None:
     record = graded(f"scene.mount={mount}")
@@ -34,6 +35,7 @@ def test_a_converged_grasp_is_kept(mount: str) -> None:
     assert lift["squeeze"] == pytest.approx(Handling().squeeze, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["3_squirt_bottle", "4_detergent_bottle"])
 @pytest.mark.parametrize("height", [0.08, 0.13])
 def test_a_bottle_does_not_creep_in_the_hand(name: str, height: float) -> None:
@@ -45,6 +47,7 @@ def test_a_bottle_does_not_creep_in_the_hand(name: str, height: float) -> None:
     assert record.quality["shake"]["kept"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", ["scene.friction=0.1", "scene.object={like: towel-roll, mass: 3.0}"])
 def test_what_friction_cannot_carry_is_dropped(change: str) -> None:
     """Normal forces of 30 N in all carry no more than 3 N at a friction of 0.1, and 15 N at 0.5."""

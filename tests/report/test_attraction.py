@@ -93,6 +93,7 @@ def test_every_outcome_has_a_style_of_its_own() -> None:
         assert max(red, green, blue) - min(red, green, blue) < 24  # of 255: grey
 
 
+@pytest.mark.slow
 def test_the_figure_shows_each_cell_where_it_lies() -> None:
     """The middle of each cell in the picture has the colour of its class: the first row below, x to the right."""
     whole = made(some(["converged"] * 8 + ["local-minimum"] * 3 + ["converged"]))
@@ -109,6 +110,7 @@ def test_the_figure_shows_each_cell_where_it_lies() -> None:
         assert bytes(pixel[:3]).hex() == colour.lstrip("#")
 
 
+@pytest.mark.slow
 def test_the_figure_says_what_it_shows() -> None:
     whole = made(some(marks={"point-2": (0.5, 0.1)}))
     text = svg_of(map_figure(whole), "map")

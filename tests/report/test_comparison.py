@@ -21,6 +21,8 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
 from graspdsl.trials.store import RunFolder
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
 TOWEL = SPECS.parent / "towel_roll_two_contacts.yaml"
 

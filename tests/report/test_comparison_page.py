@@ -43,6 +43,7 @@ def compared(runs: list[Evidence]) -> Comparison:
     return comparison([(evidence, summarised(evidence)) for evidence in runs])
 
 
+@pytest.mark.slow
 def test_the_page_holds_all_and_needs_no_other_file(runs: list[Evidence], tmp_path: Path) -> None:
     numbers = compared(runs)
     write_comparison(tmp_path / "out", runs, numbers)
@@ -64,6 +65,7 @@ def test_the_page_holds_all_and_needs_no_other_file(runs: list[Evidence], tmp_pa
         write_comparison(tmp_path / "out", runs, numbers)
 
 
+@pytest.mark.slow
 def test_the_same_comparison_gives_the_same_files(runs: list[Evidence], tmp_path: Path) -> None:
     numbers = compared(runs)
     for name in ("a", "b"):

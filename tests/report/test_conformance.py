@@ -17,6 +17,8 @@ from graspdsl.report.judgements import Verdict
 from graspdsl.report.summary import summarised
 from report.hand_made import HandMade, evidence
 
+pytestmark = pytest.mark.slow
+
 AGREES, DIFFERS, UNTOLD = Verdict
 UPRIGHT = math.pi / 2
 

@@ -71,6 +71,7 @@ def test_paired_shares_as_published(
     assert found.interval == pytest.approx(interval, abs=rounding / 2 * 1.01)
 
 
+@pytest.mark.slow
 @given(st.tuples(*[st.integers(0, 30)] * 4).filter(any))
 def test_paired_intervals_hold_their_difference_and_turn_round(counts: tuple[int, int, int, int]) -> None:
     one, other = pairs(*counts)
@@ -83,6 +84,7 @@ def test_paired_intervals_hold_their_difference_and_turn_round(counts: tuple[int
     assert (back.value, *back.interval) == pytest.approx((-there.value, -there.interval[1], -there.interval[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chances", [(0.6, 0.2, 0.1, 0.1), (0.25, 0.25, 0.25, 0.25), (0.85, 0.1, 0.03, 0.02)])
 def test_paired_shares_are_covered(chances: tuple[float, float, float, float]) -> None:
     """The chance that the interval holds the true difference, summed over every table of 20 pairs there is."""
@@ -113,6 +115,7 @@ def test_equal_pairs_narrow_the_interval() -> None:
     assert np.ptp(paired.interval) < 0.75 * np.ptp(apart.interval)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paired", [True, False])
 def test_medians_are_covered(paired: bool) -> None:
     """Not less than 95 of 100 intervals hold the true difference of two skewed populations' medians, and they are
@@ -187,6 +190,7 @@ def test_an_infinite_end_is_hardly_ever_drawn_where_zeros_are_rare() -> None:
     assert found.interval == (3.0, 3.0)
 
 
+@pytest.mark.slow
 def test_ratios_with_zeros_among_the_values_are_covered() -> None:
     """Costs of which a third are zero, of true ratio 3: not less than 95 of 100 intervals hold it."""
     random, held, infinite, times = np.random.default_rng(7), 0, 0, 0

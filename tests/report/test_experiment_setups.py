@@ -22,6 +22,7 @@ def program(number: str, *overrides: str, changes: tuple[tuple[str, str], ...] =
     return program_of(text, SPECS[number].name, overrides)
 
 
+@pytest.mark.slow
 def test_each_experiment_is_itself() -> None:
     assert set(SETUPS) == set(EXPERIMENTS) == {program(number).spec.name for number in SPECS}
     assert [departure(program(number)) for number in SPECS] == [""] * len(SPECS)

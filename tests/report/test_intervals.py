@@ -30,6 +30,7 @@ def test_the_median_s_interval_is_the_narrowest_that_covers(count: int) -> None:
     assert stats.binom.cdf(low, count, 0.5) <= 0.025 < stats.binom.cdf(low + 1, count, 0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 5, 28, 58, 400])
 def test_a_share_s_interval_is_exact(count: int) -> None:
     for part in range(count + 1):
@@ -37,6 +38,7 @@ def test_a_share_s_interval_is_exact(count: int) -> None:
         assert share_interval(part, count) == pytest.approx((found.low, found.high), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_peak_s_interval_holds_the_peak() -> None:
     """Of two clusters, the place of the smaller one, as often as it should; it is hardly wider than peaks scatter."""
     random, held, times, widths, centres = np.random.default_rng(11), 0, 200, [], []

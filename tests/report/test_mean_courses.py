@@ -34,6 +34,7 @@ def found(force: Array, moment: Array) -> MeanCourses:
     return answer
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "size"), [(10, 0.1), (20, 0.2), (58, 0.1)])
 def test_scatter_alone_is_no_rise(count: int, size: float) -> None:
     """Of courses whose mean falls all the way, the interval of the rise lies above nothing hardly ever."""
@@ -43,6 +44,7 @@ def test_scatter_alone_is_no_rise(count: int, size: float) -> None:
     assert stats.binomtest(above, RUNS, 0.05, alternative="greater").pvalue > 1e-3
 
 
+@pytest.mark.slow
 def test_a_rise_of_the_mean_is_found() -> None:
     """Of 30 % of the start: its interval holds it, or what is left where the ticks of the rise are guessed wrongly."""
     random = np.random.default_rng(8)
@@ -58,6 +60,7 @@ def test_a_rise_of_the_mean_is_found() -> None:
     assert 0.9 * true < np.mean(rises) < 1.02 * true
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lag", [0.0, 20.0])
 def test_the_interval_of_a_lag_holds_it(lag: float) -> None:
     random, held = np.random.default_rng(9), 0

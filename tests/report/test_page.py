@@ -32,6 +32,8 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
 from report.reader import Reader
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 FLOATING = SPECS / "compare" / "moment_subject_to_force.yaml"
 BULLET = SPECS / "towel_roll_two_contacts.yaml"

@@ -30,7 +30,10 @@ OFFLINE = (
 SAID = "<script>document.title='taken'</script>"
 AA = 4.5  # contrast of text with its ground, WCAG 2
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here to open a page in")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here to open a page in"),
+]
 
 
 @pytest.fixture(scope="module")

@@ -48,6 +48,7 @@ def test_density_integrates_to_one(values: np.ndarray) -> None:
     assert np.trapezoid(density(values, grid, bandwidth(values)), grid) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(angles, st.floats(0.05, 0.4))
 def test_density_is_the_sum_of_reflected_kernels(values: np.ndarray, width: float) -> None:
     at = np.linspace(0.0, RIGHT_ANGLE, 7)
@@ -93,6 +94,7 @@ def test_a_cluster_at_a_bound_is_one_mode_there(bound: float) -> None:
     assert len(mode.members) == 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 3, 30])
 def test_equal_values_are_one_mode(count: int) -> None:
     """Wherever they lie: half-way between two points of the grid the density has two equal heights and no one peak."""

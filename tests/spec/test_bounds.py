@@ -102,9 +102,9 @@ WHOLE = places(whole=True)
 
 def test_the_walk_finds_the_numbers() -> None:
     fields = {name for name, _, _ in FLOATS}
-    assert {"Control.step", "Box.size", "Start.roll", "Until.force_residual", "Spec.parameters"} <= fields
+    assert {"Control.step", "Box.size", "StartSettings.roll", "Until.force_residual", "Spec.parameters"} <= fields
     assert {"LoadCell.force_noise", "MonitorBounds.lean", "Progress.window", "GridAxis.low", "Mesh.scale"} <= fields
-    assert [number for name, _, number in FLOATS if name == "Start.posture"] == list(range(6))
+    assert [number for name, _, number in FLOATS if name == "StartSettings.posture"] == list(range(6))
     assert {name for name, _, _ in WHOLE} >= {"Trials.count", "Trials.seed", "Progress.probes", "GridAxis.cells"}
     assert set(WITHOUT_BOUNDS) <= fields
 

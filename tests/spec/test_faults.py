@@ -361,6 +361,7 @@ def _paths(data: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int,
 ODD: list[Data] = [None, True, "odd", 10**60, -1, float("nan"), [], [1, "x"], {"odd": 1}, [[]], {"uniform": [1]}]
 
 
+@pytest.mark.slow
 @given(st.sampled_from(_paths(yaml.safe_load(GOOD))[1:]), st.sampled_from(ODD))
 def test_one_odd_value_brings_one_complaint_for_each_odd_thing(path: tuple[str | int, ...], odd: Data) -> None:
     document = parse_document(GOOD, "test.yaml").with_value(path, copy.deepcopy(odd), "in a test")

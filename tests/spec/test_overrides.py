@@ -105,6 +105,7 @@ PART = st.sampled_from(["scene", "program", "0", "7", "²", "run", "trials", "st
 VALUE = st.text(alphabet="a1{}[]:,.'\"&*!|>- \n\\", max_size=12)
 
 
+@pytest.mark.slow
 @given(st.lists(PART, max_size=4).map(".".join), VALUE)
 def test_no_override_breaks_the_loader(path: str, value: str) -> None:
     found: tuple[Diagnostic, ...] = ()

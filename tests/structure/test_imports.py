@@ -74,6 +74,7 @@ def test_every_part_has_its_row() -> None:
     assert {_package(module) for module in MODULES} - {""} <= set(ROW)
 
 
+@pytest.mark.slow
 @EACH_MODULE
 def test_imports_go_one_way(module: str) -> None:
     own = _package(module)
@@ -82,6 +83,7 @@ def test_imports_go_one_way(module: str) -> None:
     assert {other for other in imported if other not in ("", own) and ROW[other] >= row} == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("library", ["pybullet", "pybullet_data"])
 def test_only_the_bullet_world_imports_pybullet(library: str) -> None:
     assert _within("worlds.bullet", _importers(library))
@@ -94,27 +96,32 @@ def test_tactile_sensors_know_no_engine() -> None:
     assert {name for name in known if not name.startswith("graspdsl.worlds.touch")} == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("world", ["graspdsl.worlds.bullet.world", "graspdsl.worlds.bullet.probing"])
 def test_worlds_are_made_by_their_entry_of_the_table_alone(world: str) -> None:
     importers = {module for module in MODULES if any(f"{name}.".startswith(f"{world}.") for name in _imports(module))}
     assert _within("worlds.bullet", importers)
 
 
+@pytest.mark.slow
 def test_pybullet_is_not_loaded_before_a_bullet_world_is_built() -> None:
     code = "import graspdsl.cli, graspdsl.compiler.program, sys; sys.exit('pybullet' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("library", ["rich", "typer", "click"])
 def test_only_the_command_line_knows_colours(library: str) -> None:
     assert _within("cli", _importers(library))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("library", ["matplotlib", "jinja2"])
 def test_only_the_report_draws(library: str) -> None:
     assert _within("report", _importers(library))
 
 
+@pytest.mark.slow
 @EACH_MODULE
 def test_only_the_command_line_prints(module: str) -> None:
     if _package(module) != "cli":

@@ -61,6 +61,7 @@ PROGRAMS = [
 ALONE: dict[tuple[int, int], tuple[str, dict[str, bytes]]] = {}
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(
     which=st.integers(0, len(PROGRAMS) - 1), first=st.integers(0, 4), count=st.integers(1, 9), size=st.integers(1, 9)
@@ -109,6 +110,7 @@ def test_starts_are_left_as_they_were(formula: str) -> None:
     np.testing.assert_array_equal(points, before)
 
 
+@pytest.mark.slow
 def test_contacts_go_where_the_pipeline_step_by_step_takes_them() -> None:
     (pipeline,), points, steps = pipelines("π_gx|Γ Γ", contacts(3)), starts(ELLIPSOID_B, 40), 120
     found = ends("π_gx|Γ Γ", 3, ELLIPSOID_B, points, steps=steps, force_residual=1e-300)
@@ -127,6 +129,7 @@ def test_ticks_tell_from_when_on_residuals_stayed_low() -> None:
         assert found.converged.all()
 
 
+@pytest.mark.slow
 @EACH_FORMULA
 def test_what_has_converged_had_time_to_hold(formula: str) -> None:
     found = ends(formula, 3, ELLIPSOID_B, starts(ELLIPSOID_B, 100))
@@ -184,6 +187,7 @@ def stages(trial: Trial, residual: str, high: float) -> list[bool]:
     return [is_high for is_high, _ in itertools.groupby(norms > high)]
 
 
+@pytest.mark.slow
 def test_hysteresis_goes_back_a_stage() -> None:
     """Moment alone undoes the force residual that the stage before had brought down: with hysteresis, not for long."""
     more = ("program.0.limit=10.0", "program.0.until.moment_residual=1e-6", "monitors.progress=off")
@@ -199,6 +203,7 @@ def test_hysteresis_goes_back_a_stage() -> None:
     assert len(stages(kept, "sensed_force_residual", 0.15)) > 3
 
 
+@pytest.mark.slow
 def test_with_hysteresis_both_residuals_are_kept() -> None:
     """A phase of two stages comes to its end on trials where, without hysteresis, it does not."""
     loops = [trial_loop(program("compare/cstar.yaml", *more)) for more in (("program.0.hysteresis=1.5",), ())]

@@ -50,6 +50,7 @@ def test_grades_are_plain_data() -> None:
     assert json.loads(json.dumps(grades, allow_nan=False)) == grades
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spec", "grades"), [(FLOATING, THEORY), (MAIN, "evaluate=[lift, shake]")])
 def test_grading_changes_nothing_else(spec: str, grades: str) -> None:
     plain, graded = run(spec), run(spec, grades)
@@ -65,6 +66,7 @@ def test_a_trial_without_contacts() -> None:
     assert record.quality["ferrari-canny"]["epsilon"] == {"value": None, "reason": "no contacts"}
 
 
+@pytest.mark.slow
 def test_the_grasp_is_judged_at_its_last_tick() -> None:
     trial = run(MAIN, THEORY, "trials.start.roll=0.4", "trials.start.height=0.1", "trials.start.standoff=0.047")
     points, position = trial.trajectory["points"][-1], trial.trajectory["object_position"][-1]

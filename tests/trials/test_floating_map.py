@@ -19,6 +19,8 @@ from graspdsl.trials.setup import world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
 from graspdsl.worlds.protocol import GRAVITY
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SEED = 7
 

@@ -13,6 +13,8 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).parents[2] / "specs"
 MAIN = "towel_roll_two_contacts.yaml"
 SLIDE = "chapter/4_24_slide.yaml"

@@ -106,6 +106,7 @@ def test_a_run_that_is_no_map_is_refused() -> None:
         axes_of(program(f"trials.grid={one}", "trials.count=4").spec)
 
 
+@pytest.mark.slow
 def test_a_start_that_cannot_be_is_a_class_of_its_own(tmp_path: Path) -> None:
     """In one cell of two the hand stands in the table: it is infeasible at once, the other runs from where it lies."""
     axes = [WantedAxis("roll", (-0.2, 0.2), 1), WantedAxis("height", (-0.2, 0.2), 2)]

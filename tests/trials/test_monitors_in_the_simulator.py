@@ -18,6 +18,8 @@ from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation
 
+pytestmark = pytest.mark.slow
+
 SPECS = Path(__file__).parents[2] / "specs"
 MAIN = "towel_roll_two_contacts.yaml"
 SLIDE = "chapter/4_24_slide.yaml"

@@ -13,6 +13,8 @@ from graspdsl.trials.identity import identities
 from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import RunFolder
 
+pytestmark = pytest.mark.slow
+
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 OVERRIDES = ("trials.count=2", "program.1.limit=1.0")
 

@@ -15,6 +15,8 @@ from graspdsl.trials.record import Trial
 from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run
 from graspdsl.trials.store import RunFolder
 
+pytestmark = pytest.mark.slow
+
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 COUNT = 3
 

@@ -30,6 +30,7 @@ def test_a_pose_is_a_rotation(roll: float, yaw: float, tilt: float, approach: st
     assert np.linalg.det(rotation) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @given(ANGLES, ANGLES, st.floats(0.02, 0.3), st.floats(0.0, 0.2))
 def test_from_the_side_the_palm_keeps_its_standoff(roll: float, yaw: float, standoff: float, height: float) -> None:
     start = pose("side", {**LEVEL, "roll": roll, "yaw": yaw, "standoff": standoff, "height": height}, ROLL, PALM)

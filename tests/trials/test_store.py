@@ -296,6 +296,7 @@ def test_a_table_of_another_version(folder: RunFolder) -> None:
     assert _refusal(folder.path) == ("run-differs", message)
 
 
+@pytest.mark.slow
 def test_a_table_that_another_program_holds(folder: RunFolder) -> None:
     with closing(sqlite3.connect(folder.path / "trials.sqlite")) as table:
         table.execute("BEGIN EXCLUSIVE")

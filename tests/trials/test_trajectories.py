@@ -101,6 +101,7 @@ def test_what_is_no_file(place: str, tmp_path: Path) -> None:
     assert refused(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_garbled_files_are_whole_or_damaged(method: int, tmp_path: Path) -> None:
     """Whatever bytes are changed, nothing but a diagnosis comes out, and a file that is still read fits."""

@@ -17,6 +17,8 @@ from graspdsl.worlds.start_pose import pose
 
 from .scenes import LEVEL, ROLL, main_program, opened, settings
 
+pytestmark = pytest.mark.slow
+
 ARM = robot("barrett", "wam")
 LOWER, UPPER = (np.array(limits) for limits in joint_limits(ARM))
 ARM_JOINTS = len(ARM.mount.joints)

@@ -38,16 +38,19 @@ def commands() -> Array:
     return rows
 
 
+@pytest.mark.slow
 def test_the_same_commands_show_the_same_bits() -> None:
     assert digest(commands()) == digest(commands())
     assert digest(commands()) != digest(1.01 * commands())
 
 
+@pytest.mark.slow
 def test_a_fresh_process_shows_the_same_bits() -> None:
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as elsewhere:
         assert elsewhere.submit(digest, commands()).result() == digest(commands())
 
 
+@pytest.mark.slow
 def test_a_reset_world_repeats_itself() -> None:
     program = main_program()
     with opened(BulletWorld(settings())) as world:
@@ -100,6 +103,7 @@ def test_a_start_touches_nothing() -> None:
             assert truth.object_lean < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_joints_stay_within_their_limits(sign: float) -> None:
     with opened(BulletWorld(settings())) as world:
@@ -129,6 +133,7 @@ def test_a_picture_shows_something() -> None:
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
 
 
+@pytest.mark.slow
 def test_a_held_object_moves_with_the_palm() -> None:
     with opened(BulletWorld(settings(anchor=Anchor.HAND))) as world:
         seen = world.reset(side_start(), 0)
@@ -148,6 +153,7 @@ def test_a_held_object_moves_with_the_palm() -> None:
         assert (pose_of_object(world)[1] * before.inv()).magnitude() > 0.5
 
 
+@pytest.mark.slow
 def test_a_fixed_object_does_not_move() -> None:
     with opened(BulletWorld(settings(anchor=Anchor.WORLD))) as world:
         grasped(world, side_start(roll=0.5), main_program())
@@ -160,6 +166,7 @@ def test_a_fixed_object_does_not_move() -> None:
         assert (turned * turn.inv()).magnitude() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_free_object_does_move() -> None:
     with opened(BulletWorld(settings())) as world:
         grasped(world, side_start(), main_program())
@@ -169,6 +176,7 @@ def test_a_free_object_does_move() -> None:
         assert np.linalg.norm(pose_of_object(world)[0] - before) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.005, -0.005])
 def test_a_probe_displaces_contacts(height: float) -> None:
     """Up or down the side of a cylinder, all contacts alike."""
@@ -203,6 +211,7 @@ def off_force(*overrides: str) -> float:
     return float(np.abs([np.linalg.norm(seen.forces, axis=1) - 0.5 for seen in shown]).max())
 
 
+@pytest.mark.slow
 def test_a_transpose_presses_no_more_than_the_pseudo_inverse() -> None:
     """Jᵀ moves contacts not only where they are asked to go: what presses is projected away, or made little of."""
     bound = off_force()

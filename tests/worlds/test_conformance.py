@@ -109,6 +109,7 @@ def closed(world: WitnessedWorld) -> Observation:
     return seen
 
 
+@pytest.mark.slow
 def test_the_truth_agrees_with_what_is_sensed(world_and_space: tuple[WitnessedWorld, str]) -> None:
     """Where a contact touches, its true point is where it is sensed, within the softness of a fingertip."""
     world, _ = world_and_space

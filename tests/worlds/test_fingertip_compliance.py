@@ -30,6 +30,7 @@ def test_the_stiffness_is_that_of_the_dent(force: float) -> None:
     assert force_of_dent(np.array(force / stiffness_under(force))) == pytest.approx(force)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sensing", [Exact(), Proximity()])
 def test_the_engine_obeys(sensing: TactileSensor) -> None:
     """Squeezed ever harder, the dents that the engine shows belong to the forces that it shows."""

@@ -153,6 +153,7 @@ def test_normals_are_across_the_surface(shape: FingertipShape) -> None:
         assert normal @ point > 0.0
 
 
+@pytest.mark.slow
 @EACH_SHAPE
 def test_taxels_cover_the_surface_evenly(shape: FingertipShape) -> None:
     surface = fingertip_surface(shape)

@@ -166,6 +166,7 @@ def test_starts_are_spread_over_the_surface() -> None:
     assert np.abs(np.mean(points > 0.0, axis=0) - 0.5).max() < 4 * 0.5 / np.sqrt(len(points))
 
 
+@pytest.mark.slow
 @EACH_OBJECT
 def test_trials_run_to_a_named_end(thing: str) -> None:
     loop = trial_loop(program(thing))
@@ -181,12 +182,14 @@ def test_trials_run_to_a_named_end(thing: str) -> None:
         assert max(record.point_error + record.normal_error) < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thing", [OBJECTS["sphere"], OBJECTS["ellipsoid"]], ids=["sphere", "ellipsoid"])
 def test_trials_on_smooth_bodies_converge(thing: str) -> None:
     loop = trial_loop(program(thing))
     assert [loop.run(number, 11).record.outcome for number in range(10)] == [Outcome.CONVERGED] * 10
 
 
+@pytest.mark.slow
 def test_a_trial_is_a_function_of_its_number_and_seed() -> None:
     records = []
     for numbers in ((0, 1, 2), (2,)):

@@ -25,6 +25,8 @@ from .floating_runs import (
     starts,
 )
 
+pytestmark = pytest.mark.slow
+
 FORCE, GRASP = "π_fr|Γ Γ", "π_gx|Γ Γ"
 VIRTUAL = "{γ1, <γ2, γ3>}"
 EACH_ELLIPSOID = pytest.mark.parametrize("surface", [ELLIPSOID_A, ELLIPSOID_B], ids="AB")

@@ -13,6 +13,8 @@ from graspdsl.objects.surfaces.surface import Surface
 
 from .floating_runs import ELLIPSOID_B, HAND, degrees_between, pipelines, run, starts
 
+pytestmark = pytest.mark.slow
+
 TURNS = Rotation.random(5, random_state=1).as_matrix()
 STEPS = 50
 

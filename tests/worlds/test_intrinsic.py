@@ -76,6 +76,7 @@ def test_no_force_has_no_place() -> None:
         sphere_contact(np.zeros(3), np.array([0.0, 0.0, 1e-3]), RADIUS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("roll", [0.0, 0.8])
 def test_load_cells_agree_with_the_truth_at_rest(roll: float) -> None:
     with opened(BulletWorld(settings())) as world:
@@ -89,6 +90,7 @@ def test_load_cells_agree_with_the_truth_at_rest(roll: float) -> None:
         assert np.linalg.norm(seen.forces, axis=1).min() > 0.2
 
 
+@pytest.mark.slow
 def test_load_cells_agree_with_the_truth_while_sliding() -> None:
     program = main_program()
     with opened(BulletWorld(settings())) as world:
@@ -102,6 +104,7 @@ def test_load_cells_agree_with_the_truth_while_sliding() -> None:
     assert np.percentile(np.concatenate(errors), 95) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "height"),
     [
@@ -127,6 +130,7 @@ def test_forces_on_the_object_balance_at_rest(body: Body, height: float) -> None
         assert table[2] > 1.0
 
 
+@pytest.mark.slow
 def test_taring_holds_when_the_wrist_turns_in_the_air() -> None:
     """The weight of the tips is known in every pose: with no threshold at all, next to nothing is felt."""
     sensing = LoadCell(touch=Touch(begins=0.0, ends=0.0))

@@ -86,6 +86,7 @@ def test_the_jacobian_of_the_palm(mount: str) -> None:
         assert np.abs(hand.palm().jacobian[:3] - linear).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [{"roll": 0.6}, {"tilt": 0.4, "yaw": 1.0, "height": 0.14}])
 def test_jacobians_that_are_observed(start: dict[str, float]) -> None:
     """A second hand, set to the joints of the simulated one, moves its contacts as the observation says."""

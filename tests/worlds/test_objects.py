@@ -189,6 +189,7 @@ def test_lean_is_of_what_was_up_whichever_axis_is_the_longest() -> None:
             assert scene.lean() == pytest.approx(angle)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "shape",
     [
@@ -201,6 +202,7 @@ def test_what_balances_on_a_tip_is_said_to_fall(shape: Ellipsoid | Superquadric)
         resting_pose(Body("egg", shape, 0.3), FRICTION, GRAVITY)
 
 
+@pytest.mark.slow
 def test_a_trial_of_what_does_not_stand_says_so() -> None:
     egg = "scene.object={ellipsoid: {size: [0.10, 0.12, 0.16]}}"
     trial = trial_loop(main_program(egg)).run(0, 1)

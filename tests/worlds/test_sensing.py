@@ -11,6 +11,8 @@ from graspdsl.trials.setup import trial_loop
 
 from .scenes import MAIN, main_program
 
+pytestmark = pytest.mark.slow
+
 TRIALS = ((101, 0), (102, 1), (103, 2))  # seed and number
 SLIDING = 1
 

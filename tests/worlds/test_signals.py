@@ -99,6 +99,7 @@ def test_a_bias_is_drawn_once() -> None:
     assert abs(read[:, 0].mean()) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [50.0, 500.0, 2000.0])
 def test_drift_is_a_random_walk(rate: float) -> None:
     read = np.array([readings(signal(drift=0.1, rate=rate, seed=seed, size=20), np.zeros(1000)) for seed in range(20)])

@@ -24,6 +24,8 @@ from graspdsl.worlds.protocol import InfeasibleStartError, Start
 
 from .scenes import ROBOT, ROLL, side_start
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 TRIO = robot("trio", "gantry")
 MOST_ADDED = 20.0  # MB

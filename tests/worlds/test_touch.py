@@ -38,6 +38,8 @@ from .scenes import (
     with_uneven_tips,
 )
 
+pytestmark = pytest.mark.slow
+
 PERFECT = {"load-cell": LoadCell(), "skin": Skin(), "proximity": Proximity(), "exact": Exact()}
 FLAWED = {
     "load-cell": LoadCell(force_noise=0.02, moment_noise=2e-4, force_bias=0.5, moment_bias=5e-3, latency=0.02),

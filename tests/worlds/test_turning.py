@@ -16,6 +16,8 @@ from graspdsl.worlds.bullet.world import BulletWorld
 
 from .scenes import grasped, opened, pose_of_object
 
+pytestmark = pytest.mark.slow
+
 SPEC = Path(__file__).parents[2] / "specs" / "chapter" / "4_41_rotate_orientation.yaml"
 CLOSING, TURNING = 0, 1
 TICKS = 800  # 16 s
