@@ -6,9 +6,9 @@ import os
 import signal
 import sys
 
-from graspdsl.trials.interruption import SIGNALS, interruption
+from graspdsl.trials.interruption import INTERRUPTED, SIGNALS, interruption
 
-BUG, INTERRUPTED = 3, 130
+BUG = 3
 
 
 def main() -> None:

@@ -22,7 +22,6 @@ from graspdsl.report.attraction import (
     AttractionMap,
     as_data,
     attraction_map,
-    map_files,
     map_of_run,
     repeating,
 )
@@ -105,7 +104,7 @@ def make_map(
         with reading(str(out or RUNS)), interruption.whole():
             folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
             made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
-            prepare(folder, {SPEC: source, **copies, **map_files(made)})
+            prepare(folder, {SPEC: source, **copies, **_files(made)})
         show_map(made, folder, as_json)
         return 0
     with reading(str(spec), source):
@@ -136,7 +135,7 @@ def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
         code = carried_on(folder, workers, "map", "--resume", str(folder.path))
         if code == 0:
             made = map_of_run(folder)
-            replace(folder.path, map_files(made))
+            replace(folder.path, _files(made))
             show_map(made, folder.path, as_json)
     return code
 
@@ -178,3 +177,9 @@ def _text(made: AttractionMap, folder: Path) -> str:
     files = f"The map is in {on_one_line(str(folder))} as {', '.join(FILES)}; to make it again:"
     parts = [part for table in tables for part in ("", laid_out(table))]
     return text_of([*head, *parts, "", whole, Text(files, overflow="fold")], f"  {made.command}")
+
+
+def _files(made: AttractionMap) -> dict[str, str | bytes]:
+    from graspdsl.report.map_figure import map_files  # which takes its time to import
+
+    return map_files(made)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from graspdsl.cli.inputs import InputError, reading
-from graspdsl.cli.main import INTERRUPTED
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
@@ -22,7 +21,7 @@ from graspdsl.report.experiment_setups import departure
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, plain, summarised
 from graspdsl.trials.identity import check_origin
-from graspdsl.trials.interruption import interruption
+from graspdsl.trials.interruption import INTERRUPTED, interruption
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 

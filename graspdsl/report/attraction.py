@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shlex
 from collections import Counter
@@ -192,13 +191,3 @@ def _rows(values: list[Any], columns: int) -> list[list[Any]]:
 
 def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
-
-
-def map_files(made: AttractionMap) -> dict[str, str | bytes]:
-    """A map's figure and numbers, by the names of their files."""
-    from graspdsl.report.drawing import png_of, svg_of
-    from graspdsl.report.map_figure import map_figure
-
-    figure = map_figure(made)
-    contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
-    return dict(zip(FILES, contents, strict=True))

@@ -1,7 +1,8 @@
-"""The figure of a map: cells by class, and by how many ticks they took."""
+"""The figure of a map: cells by class, and by how many ticks they took; and the files of both."""
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Sequence
 
@@ -13,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from graspdsl.arrays import Array
-from graspdsl.report.attraction import AttractionMap, CellClass
-from graspdsl.report.drawing import MEDIUM, SMALL
+from graspdsl.report.attraction import FILES, AttractionMap, CellClass, as_data
+from graspdsl.report.drawing import MEDIUM, SMALL, png_of, svg_of
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.wording import counted, percent
 from graspdsl.spec.outcomes import STROKES
@@ -26,6 +27,13 @@ LINE = 0.16  # in, of a legend
 MOST_PATHS = 10_000  # cells that are drawn as shapes; more are a picture
 NAMES = {"azimuth": "azimuth of {contact}", "polar": "polar angle of {contact} from the top"}
 STROKE = "#aab2bb"
+
+
+def map_files(made: AttractionMap) -> dict[str, str | bytes]:
+    """A map's figure and numbers, by the names of their files."""
+    figure = map_figure(made)
+    contents = (svg_of(figure, "map"), png_of(figure), json.dumps(as_data(made), allow_nan=False) + "\n")
+    return dict(zip(FILES, contents, strict=True))
 
 
 def map_figure(made: AttractionMap) -> Figure:

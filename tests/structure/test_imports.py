@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import graphlib
 import subprocess
 import sys
 import tomllib
@@ -62,6 +63,13 @@ def _imports(module: str) -> Iterator[str]:
                 yield name
 
 
+def _module_of(name: str) -> str:
+    """The module that an imported name is, or is in."""
+    while name not in MODULES and "." in name:
+        name = name.rpartition(".")[0]
+    return name
+
+
 def _importers(library: str) -> set[str]:
     return {module for module in MODULES if any(name.split(".")[0] == library for name in _imports(module))}
 
@@ -84,6 +92,18 @@ def test_imports_go_one_way(module: str) -> None:
 
 
 @pytest.mark.slow
+def test_no_imports_go_in_a_circle() -> None:
+    """Nor do late ones."""
+    graph = {module: {name for name in map(_module_of, _imports(module)) if name != module} for module in MODULES}
+    graphlib.TopologicalSorter(graph).prepare()
+
+
+def test_a_circle_would_be_found() -> None:
+    with pytest.raises(graphlib.CycleError):
+        graphlib.TopologicalSorter({"a": {"b"}, "b": {"a"}}).prepare()
+    assert _module_of("graspdsl.units.in_unit") == _module_of("graspdsl.units") == "graspdsl.units"
+
+
 @pytest.mark.parametrize("library", ["pybullet", "pybullet_data"])
 def test_only_the_bullet_world_imports_pybullet(library: str) -> None:
     assert _within("worlds.bullet", _importers(library))

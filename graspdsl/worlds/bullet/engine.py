@@ -9,6 +9,8 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+CONTROL_RATE = 50.0  # Hz, of ticks
+
 
 @contextlib.contextmanager
 def silenced() -> Iterator[None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from graspdsl.basis.spaces import GradientSpace
+from graspdsl.worlds.bullet.engine import CONTROL_RATE
 from graspdsl.worlds.kind import TrialStudio, View, WorldKind, WorldSettings
 from graspdsl.worlds.protocol import WitnessedWorld
 
@@ -12,7 +13,7 @@ class Bullet(WorldKind):
 
     name = "bullet"
     about = "rigid bodies under gravity, soft fingertips on load cells (PyBullet)"
-    rate = 50.0
+    rate = CONTROL_RATE
     sliding = frozenset({GradientSpace.JOINTS})
     probing = frozenset({GradientSpace.JOINTS, GradientSpace.SURFACE, GradientSpace.CARTESIAN})
     senses = ("load-cell", "skin", "proximity", "exact")

@@ -8,7 +8,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import damped_pseudo_inverse, in_rows
-from graspdsl.worlds.bullet.world import CONTROL_RATE, BulletWorld
+from graspdsl.worlds.bullet.engine import CONTROL_RATE
+from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import Command, Observation
 
 LIFT = 0.010  # m off the surface

@@ -7,10 +7,9 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import logarithm
 from graspdsl.hands.descriptions import joint_limits
-from graspdsl.worlds.bullet.engine import pybullet, silenced
+from graspdsl.worlds.bullet.engine import CONTROL_RATE, pybullet, silenced
 from graspdsl.worlds.bullet.fingertips import BulletFingertips
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.kind import Bullet
 from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
@@ -29,7 +28,6 @@ from graspdsl.worlds.protocol import (
 from graspdsl.worlds.touch.fingertip_sensor import Clock
 from graspdsl.worlds.touch.fingertips import Fingertips
 
-CONTROL_RATE = Bullet.rate  # Hz
 PHYSICS_STEPS = round(1.0 / (CONTROL_RATE * TIME_STEP))  # a tick
 SOLVER_ITERATIONS = 200  # at the engine's own 50, friction has not converged and what is held creeps in the hand
 SETTLE_TICKS = 10
