@@ -8,6 +8,9 @@ from typing import ClassVar
 DOTS, LEVEL, STROKES = "......", "------", "//////"
 
 
+_MADE: dict[str, Outcome] = {}
+
+
 class Outcome(str):
     """A class of outcomes by its name. Every trial bears exactly one, and of each there is one object.
 
@@ -29,7 +32,7 @@ class Outcome(str):
         """An outcome of this name."""
         made = super().__new__(cls, value)
         made.means, made.grey, made.hatching = means, grey, hatching
-        return made
+        return _MADE.setdefault(value, made)
 
     @property
     def value(self) -> str:
@@ -54,6 +57,4 @@ Outcome.CRASHED = Outcome("crashed", "the simulation failed", "#23292f", DOTS)
 
 
 def _named(value: str) -> Outcome:
-    from graspdsl.spec.monitors import OUTCOMES
-
-    return OUTCOMES[value]
+    return _MADE[value]
