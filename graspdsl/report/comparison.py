@@ -27,6 +27,7 @@ from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import RunFolder
+from graspdsl.worlds.kinds import WORLDS
 
 Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of the first run, of the other
 
@@ -191,8 +192,8 @@ def pairs_of(first: Evidence, other: Evidence) -> Pairs:
     """
     if _ground(first.folder) != _ground(other.folder):
         return []
-    floats = _ground(first.folder)[0] == "floating"
-    known = {record.number: record for record in first.records if floats or record.start}
+    unplaced = len(_ground(first.folder)) > 1  # of trials that begin without a hand nothing is drawn but contacts
+    known = {record.number: record for record in first.records if unplaced or record.start}
     return [
         (known[record.number], record)
         for record in other.records
@@ -204,7 +205,8 @@ def _ground(folder: RunFolder) -> tuple[object, ...]:
     """What must be the same for equal draws to be equal starts."""
     manifest = folder.manifest
     scene = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec.scene
-    return (scene.world, manifest.seed, scene.hand, scene.object) if scene.world == "floating" else (scene.world,)
+    handless = not WORLDS[scene.world].has("hand")
+    return (scene.world, manifest.seed, scene.hand, scene.object) if handless else (scene.world,)
 
 
 def _has_converged(record: TrialRecord) -> bool:

@@ -10,10 +10,11 @@ otherwise.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, create_model, model_validator
 
+from graspdsl.diagnostics import listed
 from graspdsl.places.fields import Metres, Model, Number, Seconds, Unit, fault, form, forms
 from graspdsl.places.wording import as_yaml
 
@@ -41,7 +42,9 @@ class Touch(Model):
 
 
 class TactileSensor(Model):
-    """What all sensors have: when a contact counts as touching."""
+    """What all sensors have: when a contact counts as touching. ``about``: what the kind is."""
+
+    about: ClassVar[str]
 
     touch: Touch = Field(default=Touch(), description="when a contact counts as touching")
 
@@ -136,6 +139,8 @@ class LoadCell(SampledSensor):
     and 1.6e-5 N·m, and 20 ms from the contact to the controller.
     """
 
+    about: ClassVar = "fingertip load cells"
+
     flaws = (
         *("force_noise", "moment_noise", "force_bias", "moment_bias"),
         *("force_drift", "moment_drift", "force_quantum", "moment_quantum"),
@@ -172,6 +177,8 @@ class Skin(SampledSensor):
     friction; the force is their sum about the strongest one. Of a soft capacitive skin one may expect taxel_noise
     2e-3 N at 100 Hz, biases of 0.02 N before taring, drifts of 2e-4 N in a second and quanta of 2e-3 N.
     """
+
+    about: ClassVar = "taxels on the fingertips"
 
     flaws = ("taxel_noise", "taxel_bias", "taxel_drift", "taxel_quantum")
     usual_rate = 100.0
@@ -219,6 +226,8 @@ class Proximity(SampledSensor):
     filter would make it believe that what comes nearer is farther off.
     """
 
+    about: ClassVar = "infrared distance sensors in the fingertips"
+
     flaws = (
         *("distance_noise", "direction_noise", "distance_bias", "direction_bias"),
         *("distance_drift", "direction_drift", "distance_quantum"),
@@ -260,6 +269,8 @@ class Proximity(SampledSensor):
 class Exact(TactileSensor):
     """The engine's own contacts."""
 
+    about: ClassVar = "the true contacts"
+
 
 SENSORS: dict[str, type[TactileSensor]] = {
     "load-cell": LoadCell,
@@ -269,19 +280,34 @@ SENSORS: dict[str, type[TactileSensor]] = {
 }
 
 
-class Sensing(Model):
+def _field_of(name: str) -> str:
+    return name.replace("-", "_")
+
+
+if TYPE_CHECKING:
+    _Sensed = Model
+    SensorName = str
+else:  # with a key for each sensor of the table
+    _keys = {
+        _field_of(name): (kind | None, Field(default=None, alias=name, description=kind.about))
+        for name, kind in SENSORS.items()
+    }
+    _Sensed = create_model("_Sensed", __base__=Model, **_keys)
+    SensorName = Literal[*SENSORS]
+
+
+class Sensing(_Sensed):
     """Exactly one sensor with its parameters."""
 
     model_config = ConfigDict(serialize_by_alias=True, json_schema_extra={"minProperties": 1, "maxProperties": 1})
 
-    load_cell: LoadCell | None = Field(default=None, alias="load-cell", description="fingertip load cells")
-    skin: Skin | None = Field(default=None, description="taxels on the fingertips")
-    proximity: Proximity | None = Field(default=None, description="infrared distance sensors in the fingertips")
-    exact: Exact | None = Field(default=None, description="the true contacts")
+    def _chosen(self) -> dict[str, TactileSensor]:
+        sensors = {name: getattr(self, _field_of(name)) for name in SENSORS}
+        return {name: sensor for name, sensor in sensors.items() if sensor is not None}
 
     @model_validator(mode="after")
     def _one_sensor(self) -> Sensing:
-        chosen = [name for name in SENSORS if getattr(self, name.replace("-", "_")) is not None]
+        chosen = self._chosen()
         if len(chosen) != 1:
             message = f"sensing is by exactly one sensor, found {' and '.join(chosen) or 'none'}"
             raise fault("wrong-form", message, "for example {load-cell: {force_noise: 0.02}}")
@@ -290,10 +316,8 @@ class Sensing(Model):
     @property
     def sensor(self) -> TactileSensor:
         """The sensor there is."""
-        return self.load_cell or self.skin or self.proximity or self.exact or Exact()
-
-
-SensorName = Literal["load-cell", "skin", "proximity", "exact"]
+        [sensor] = self._chosen().values()
+        return sensor
 
 
 def _form_of(value: Any) -> str | None:
@@ -304,7 +328,7 @@ def _form_of(value: Any) -> str | None:
 
 SensingChoice = Annotated[
     Annotated[SensorName, form("name")] | Annotated[Sensing, form("parameters")],
-    forms("load-cell, skin, proximity or exact, or one with parameters: {load-cell: {force_noise: 0.02}}", _form_of),
+    forms(f"{listed(SENSORS, 'or')}, or one with parameters: {{load-cell: {{force_noise: 0.02}}}}", _form_of),
 ]
 
 
