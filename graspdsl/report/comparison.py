@@ -23,11 +23,8 @@ from graspdsl.report.statistics import (
 from graspdsl.report.summary import Summary
 from graspdsl.report.tables import TEXT, Column, Table, Value, fixed
 from graspdsl.report.wording import NOTHING, percent, percents
-from graspdsl.spec.loading import load_spec_text
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
-from graspdsl.trials.store import RunFolder
-from graspdsl.worlds.kinds import WORLDS
 
 Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of the first run, of the other
 
@@ -190,9 +187,10 @@ def pairs_of(first: Evidence, other: Evidence) -> Pairs:
     In a world with a hand, where all that was drawn is equal: the two may differ in mount, sensing or controller. In
     the floating world contacts are drawn by the seed, over the object: both must be equal.
     """
-    if _ground(first.folder) != _ground(other.folder):
+    ground = _ground(first)
+    if ground != _ground(other):
         return []
-    unplaced = len(_ground(first.folder)) > 1  # of trials that begin without a hand nothing is drawn but contacts
+    unplaced = len(ground) > 1  # of trials that begin without a hand nothing is drawn but contacts
     known = {record.number: record for record in first.records if unplaced or record.start}
     return [
         (known[record.number], record)
@@ -201,12 +199,11 @@ def pairs_of(first: Evidence, other: Evidence) -> Pairs:
     ]
 
 
-def _ground(folder: RunFolder) -> tuple[object, ...]:
+def _ground(evidence: Evidence) -> tuple[object, ...]:
     """What must be the same for equal draws to be equal starts."""
-    manifest = folder.manifest
-    scene = load_spec_text(folder.spec_text, manifest.spec_file, manifest.overrides).spec.scene
-    handless = not WORLDS[scene.world].has("hand")
-    return (scene.world, manifest.seed, scene.hand, scene.object) if handless else (scene.world,)
+    scene, seed = evidence.program.spec.scene, evidence.folder.manifest.seed
+    handless = not evidence.program.world.has("hand")
+    return (scene.world, seed, scene.hand, scene.object) if handless else (scene.world,)
 
 
 def _has_converged(record: TrialRecord) -> bool:
