@@ -106,10 +106,10 @@ def run(
             overrides = list(settings)
             overrides += [f"trials.count={trials}"] if trials is not None else []
             overrides += [f"trials.seed={seed}"] if seed is not None else []
-            program, source = sound(spec, tuple(overrides))
+            program = sound(spec, tuple(overrides))
             from graspdsl.cli.running import begin, finish
 
-            folder = begin("run", program, source, spec.name, tuple(overrides), out)
+            folder = begin("run", program, out)
         code = finish(folder, workers, as_json)
     raise typer.Exit(code)
 

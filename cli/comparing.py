@@ -7,11 +7,10 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import reading
 from graspdsl.cli.messages import result, result_json, say, writable
 from graspdsl.cli.running import RUNS, opened
 from graspdsl.cli.tables import laid_out, text_of
-from graspdsl.diagnostics import on_one_line
+from graspdsl.diagnostics import on_one_line, reading
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
 from graspdsl.report.comparison_page import PAGE, write_comparison
 from graspdsl.report.evidence import evidence_of

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from rich.text import Text
 
-from graspdsl.cli.inputs import InputError, reading, sound
+from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import result, result_json, say
 from graspdsl.cli.running import RUNS, carried_on, keeping, opened, page_of
 from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line, reading
 from graspdsl.places.document import parse_document
 from graspdsl.report.claims import EXPERIMENTS, Claim, claims_of
 from graspdsl.report.evidence import evidence_of
@@ -61,12 +61,16 @@ class Experiment:
 
     spec: Path
     program: Program
-    text: str
 
     @property
     def name(self) -> str:
         """The experiment's name, and its folder's."""
         return self.program.spec.name
+
+    @property
+    def text(self) -> str:
+        """The text of the spec."""
+        return self.program.source.text
 
 
 def run_experiments(asked: Asked) -> int:
@@ -74,7 +78,7 @@ def run_experiments(asked: Asked) -> int:
 
     Returns the exit code. Every spec, and every run begun before, is checked before the first one runs.
     """
-    chosen = [Experiment(spec, *sound(spec, asked.overrides)) for spec in asked.specs]
+    chosen = [Experiment(spec, sound(spec, asked.overrides)) for spec in asked.specs]
     for experiment in chosen:
         _known(experiment)
     _told_apart(chosen)
@@ -83,7 +87,7 @@ def run_experiments(asked: Asked) -> int:
             _free_for(asked.out, chosen, asked.overrides)
         except OSError as error:
             message = f"cannot look into this folder: {(error.strerror or 'unknown reason').lower()}"
-            raise InputError(str(asked.out), "", [Diagnostic("folder-not-readable", message, hint=ANOTHER)]) from None
+            raise DiagnosticError([Diagnostic("folder-not-readable", message, hint=ANOTHER)], str(asked.out)) from None
     with reading(str(asked.out or RUNS)):
         whole = made(asked.out) if asked.out else fresh_folder(RUNS, "experiments")
     with keeping(whole, *asked.words(whole)), locked(whole):
@@ -94,7 +98,7 @@ def _run_all(chosen: Sequence[Experiment], whole: Path, asked: Asked) -> int:
     claims: list[Claim] = []
     reports: dict[str, str] = {}
     for experiment in chosen:
-        folder = _begun(experiment, asked.overrides, whole / experiment.name)
+        folder = _begun(experiment, whole / experiment.name)
         code = carried_on(folder, asked.workers, *asked.words(whole))
         if code != 0:
             return code
@@ -127,7 +131,9 @@ def _known(experiment: Experiment) -> None:
         hint = "give it another name and use 'graspdsl run', or run the experiment as the chapter has it"
     else:
         return
-    raise InputError(str(experiment.spec), experiment.text, [Diagnostic(code, message, _named_at(experiment), hint)])
+    raise DiagnosticError(
+        [Diagnostic(code, message, _named_at(experiment), hint)], str(experiment.spec), experiment.text
+    )
 
 
 def _named_at(experiment: Experiment) -> Span | None:
@@ -150,8 +156,8 @@ def _told_apart(chosen: Sequence[Experiment]) -> None:
             where = f"{first.spec}, line {span.line}," if span else str(first.spec)
             code, message = "same-name", f"this spec and {where} share the name {experiment.name}"
             hint = "leave one out, or run them one after the other into folders of their own"
-        raise InputError(
-            str(experiment.spec), experiment.text, [Diagnostic(code, message, _named_at(experiment), hint)]
+        raise DiagnosticError(
+            [Diagnostic(code, message, _named_at(experiment), hint)], str(experiment.spec), experiment.text
         )
 
 
@@ -159,14 +165,14 @@ def _free_for(out: Path, chosen: Sequence[Experiment], overrides: tuple[str, ...
     """Every run that is already in the folder must be one that this command began."""
     if (out / MANIFEST).exists():
         message = "this folder holds a run"
-        raise InputError(str(out), "", [Diagnostic("folder-not-empty", message, hint=ANOTHER)])
+        raise DiagnosticError([Diagnostic("folder-not-empty", message, hint=ANOTHER)], str(out))
     for experiment in chosen:
         place = out / experiment.name
         if (place / MANIFEST).exists():
             _goes_on(experiment, overrides, place)
         elif place.exists() and (not place.is_dir() or any(place.iterdir())):
             message = "there is something here, but no run that could go on"
-            raise InputError(str(place), "", [Diagnostic("folder-not-empty", message, hint=ANOTHER)])
+            raise DiagnosticError([Diagnostic("folder-not-empty", message, hint=ANOTHER)], str(place))
 
 
 def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> None:
@@ -182,17 +188,17 @@ def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) ->
             pending(folder, program_of_run(folder), folder.finished())
         except DiagnosticError as error:
             faults = [replace(fault, hint=ANOTHER) for fault in error.diagnostics]
-            raise InputError(str(place), "", faults) from None
+            raise DiagnosticError(faults, str(place)) from None
         return
-    raise InputError(str(place), "", [Diagnostic("run-differs", message, hint=ANOTHER)])
+    raise DiagnosticError([Diagnostic("run-differs", message, hint=ANOTHER)], str(place))
 
 
-def _begun(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> RunFolder:
+def _begun(experiment: Experiment, place: Path) -> RunFolder:
     """A new run of an experiment, or the one that was begun here before."""
     if (place / MANIFEST).exists():
         return opened(place)
     with reading(str(place)):
-        return new_run(place, experiment.program, experiment.text, experiment.spec.name, overrides)
+        return new_run(place, experiment.program)
 
 
 def _text(claims: Sequence[Claim]) -> str:

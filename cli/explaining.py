@@ -5,15 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graspdsl.cli.inputs import reading, sound
+from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import say
+from graspdsl.diagnostics import reading
 
 if TYPE_CHECKING:
     from graspdsl.compiler.explain import Explanation
 
 
 def explanations(what: str) -> list[Explanation]:
-    """The explanation of a formula in the default scene, or of every phase of a spec file. Raises InputError."""
+    """The explanation of a formula in the default scene, or of every phase of a spec file. Raises DiagnosticError."""
     if what.endswith((".yaml", ".yml")) or _is_path(what):
         return _of_spec(Path(what))
     return _of_expression(what)
@@ -43,5 +44,4 @@ def _of_expression(text: str) -> list[Explanation]:
 def _of_spec(path: Path) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
 
-    program, _ = sound(path)
-    return list(explained(program))
+    return list(explained(sound(path)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,23 +25,6 @@ def named(text: str) -> Path:
     if not text:
         raise typer.BadParameter("the name is empty")
     return Path(text)
-
-
-class InputError(Exception):
-    """An input that a command cannot go on with: its name, its text as far as there is one, what is wrong with it."""
-
-    def __init__(self, name: str, source: str, diagnostics: Sequence[Diagnostic]) -> None:
-        self.name, self.source, self.diagnostics = name, source, tuple(diagnostics)
-        super().__init__(name)
-
-
-@contextmanager
-def reading(name: str, source: str = "") -> Iterator[None]:
-    """Complaints of what is done within are about the input of this name."""
-    try:
-        yield
-    except DiagnosticError as error:
-        raise InputError(name, source, error.diagnostics) from None
 
 
 def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | None, str, tuple[Diagnostic, ...]]:
@@ -73,13 +56,13 @@ def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
         return source, error.diagnostics
 
 
-def sound(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program, str]:
-    """The program of a spec file, and its text; warnings go to stderr. Raises InputError when it has errors."""
+def sound(path: Path, overrides: tuple[str, ...] = ()) -> Program:
+    """The program of a spec file; warnings go to stderr. Raises DiagnosticError when it has errors."""
     program, source, diagnostics = examined(path, overrides)
     if program is None or has_errors(diagnostics):
-        raise InputError(str(path), source, diagnostics)
+        raise DiagnosticError(diagnostics, str(path), source)
     complain(str(path), source, diagnostics)
-    return program, source
+    return program
 
 
 @contextmanager
@@ -87,8 +70,9 @@ def answering(as_json: bool = False) -> Iterator[None]:
     """What a command does within ends with the right exit code when its input is refused."""
     try:
         yield
-    except InputError as error:
-        complain(error.name, error.source, error.diagnostics)
+    except DiagnosticError as error:
+        name = error.name or "graspdsl"
+        complain(name, error.source, error.diagnostics)
         if as_json:
-            result_json({"files": [as_file_json(error.name, error.diagnostics)]})
+            result_json({"files": [as_file_json(name, error.diagnostics)]})
         raise typer.Exit(WRONG_INPUT) from None

@@ -66,7 +66,7 @@ def _controllers(spec: Path | None = None) -> Rows:
     from graspdsl.compiler.definitions import prelude
     from graspdsl.notation.printer import to_unicode
 
-    known = prelude() if spec is None else sound(spec)[0].definitions
+    known = prelude() if spec is None else sound(spec).definitions
     return [
         {
             "controller": to_unicode(definition.head),

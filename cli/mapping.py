@@ -10,12 +10,12 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import InputError, examined, reading, sound
+from graspdsl.cli.inputs import examined, sound
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
 from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import on_one_line
+from graspdsl.diagnostics import DiagnosticError, on_one_line, reading
 from graspdsl.places.files import COPIES
 from graspdsl.report.attraction import (
     FILES,
@@ -94,7 +94,8 @@ def make_map(
     as_json: bool,
 ) -> int:
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
-    program, source = sound(spec, settings)
+    program = sound(spec, settings)
+    source = program.source.text
     if not program.world.has("hand"):
         if_interrupted("nothing is kept of a map of floating contacts, which is made in one go: begin it again")
         with reading(str(spec), source):
@@ -114,10 +115,9 @@ def make_map(
         _, _, known = examined(spec, settings)
         mapped, _, found = examined(spec, whole)
     if mapped is None:
-        raise InputError(str(spec), source, found)
+        raise DiagnosticError(found, str(spec), source)
     complain(str(spec), source, [diagnostic for diagnostic in found if diagnostic not in known])
-    program = mapped
-    return finish_map(begin("map", program, source, spec.name, whole, out), workers, as_json)
+    return finish_map(begin("map", mapped, out), workers, as_json)
 
 
 def resume_map(path: Path, workers: int | None, as_json: bool) -> int:

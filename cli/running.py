@@ -8,12 +8,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
 from graspdsl.cli.progress import TrialProgress
 from graspdsl.cli.tables import summary_text
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line, reading
 from graspdsl.places.files import read_text
 from graspdsl.report.claims import Claim, claims_of
 from graspdsl.report.evidence import Evidence, evidence_of
@@ -28,19 +27,17 @@ from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
 RUNS = Path("runs")
 
 
-def begin(
-    command: str, program: Program, text: str, spec_file: str, overrides: tuple[str, ...], out: Path | None
-) -> RunFolder:
-    """The folder of a new run, which ``command --resume`` goes on with. Raises InputError where there can be none."""
+def begin(command: str, program: Program, out: Path | None) -> RunFolder:
+    """The folder of a new run, which ``command --resume`` goes on with; DiagnosticError where there can be none."""
     name = program.spec.name if command == "run" else f"{program.spec.name}-{command}"
     with reading(str(out or RUNS)), interruption.whole():
-        folder = new_run(out or fresh_folder(RUNS, name), program, text, spec_file, overrides)
+        folder = new_run(out or fresh_folder(RUNS, name), program)
         if_interrupted(kept(command, "--resume", str(folder.path)))
     return folder
 
 
 def opened(path: Path) -> RunFolder:
-    """The run in a folder. Raises InputError when it, or the spec in it, cannot be read, or they do not go together."""
+    """The run in a folder. Raises DiagnosticError where it or its spec cannot be read, or they do not go together."""
     with reading(str(path)):
         folder = RunFolder.open(path)
         text = folder.spec_text
@@ -60,7 +57,7 @@ def go_on(path: Path, spec: Path | None) -> RunFolder:
             given = read_text(spec)
         if given != folder.spec_text:
             message, hint = f"this is not the spec that {path} was run from", "leave it out: --resume knows its own"
-            raise InputError(str(spec), "", [Diagnostic("run-differs", message, hint=hint)])
+            raise DiagnosticError([Diagnostic("run-differs", message, hint=hint)], str(spec))
     return folder
 
 
@@ -80,10 +77,10 @@ def keeping(path: Path, *command: str) -> Iterator[None]:
     try:
         with reading(str(path)):
             yield
-    except InputError as error:
+    except DiagnosticError as error:
         hint = kept(*command, when="Once that is mended, to go on", gap=" ")
         faults = [replace(fault, hint=fault.hint or hint) for fault in error.diagnostics]
-        raise InputError(error.name, error.source, faults) from None
+        raise DiagnosticError(faults, error.name, error.source) from None
 
 
 def carried_on(folder: RunFolder, workers: int | None, *command: str) -> int:

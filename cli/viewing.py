@@ -11,12 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from graspdsl.cli.inputs import InputError, reading
 from graspdsl.cli.messages import complain, result, say
 from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
 from graspdsl.compiler.object_check import body_in
-from graspdsl.diagnostics import Diagnostic, known_names_hint, on_one_line
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
 from graspdsl.objects.shapes import Body, catalogue
@@ -61,7 +60,7 @@ def view_object(name: str, images: Path | None) -> None:
     """An object of the catalogue or of a file, as it stands on the table."""
     known = catalogue()
     if name not in known and not Path(name).suffix:
-        raise InputError(name, "", [Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))])
+        raise DiagnosticError([Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))], name)
     body = known[name] if name in known else _object_of_file(name)
     if images is None:
         _needs_display(name)
@@ -69,7 +68,7 @@ def view_object(name: str, images: Path | None) -> None:
         studio = ObjectStudio(body, TABLE_FRICTION, GRAVITY, window=images is None)
     except UnstableObjectError as error:
         hint = "turn it in its file; in a spec it can also be held or fixed"
-        raise InputError(name, "", [Diagnostic("unstable-object", str(error), hint=hint)]) from None
+        raise DiagnosticError([Diagnostic("unstable-object", str(error), hint=hint)], name) from None
     with studio:
         if images is None:
             _stay(studio)
@@ -107,7 +106,7 @@ def view_hand(name: str, images: Path | None) -> None:
 def _object_of_file(name: str) -> Body:
     """The object in a mesh or URDF file, as of a spec that names it by its absolute path."""
     if not os.path.exists(name):
-        raise InputError(name, "", [Diagnostic("file-not-found", "there is no such file")])
+        raise DiagnosticError([Diagnostic("file-not-found", "there is no such file")], name)
     place = os.path.realpath(name)
     fields = {"urdf": place} if Path(name).suffix.lower() == ".urdf" else {"mesh": Mesh.model_construct(file=place)}
     odd: list[Diagnostic] = []
@@ -122,7 +121,7 @@ def _object_of_file(name: str) -> Body:
 def _hand_of_catalogue(name: str) -> Robot:
     known = {hand: found for hand, found in hands().items() if found.urdf}
     if name not in known:
-        raise InputError(name, "", [Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))])
+        raise DiagnosticError([Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))], name)
     return robot(name, MOUNT)
 
 
@@ -131,7 +130,7 @@ def _hand_of_file(path: Path) -> Robot:
         try:
             found = hand_in(SpecFolder(path.parent), path.name)
         except HandFileError as error:
-            raise InputError(str(path), error.text, error.diagnostics) from None
+            raise DiagnosticError(error.diagnostics, str(path), error.text) from None
         complain(str(path), read_text(path), found.warnings)
     return Robot(hand=found.hand, mount=mounts()[MOUNT], hand_model=found.model)
 
@@ -194,8 +193,8 @@ def _needs_place(place: Path) -> None:
         raise _not_writable(place, error.strerror or "unknown reason") from None
 
 
-def _not_writable(place: Path, reason: str) -> InputError:
-    return InputError(str(place), "", [Diagnostic("file-not-writable", f"cannot write this file: {reason.lower()}")])
+def _not_writable(place: Path, reason: str) -> DiagnosticError:
+    return DiagnosticError([Diagnostic("file-not-writable", f"cannot write this file: {reason.lower()}")], str(place))
 
 
 def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
@@ -205,7 +204,7 @@ def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
         except OSError as error:
             reason = (error.strerror or "unknown reason").lower()
             fault = Diagnostic("folder-not-writable", f"cannot write to this folder: {reason}")
-            raise InputError(str(folder), "", [fault]) from None
+            raise DiagnosticError([fault], str(folder)) from None
         replace(folder, pictures)
     for name in pictures:
         result(on_one_line(str(folder / name)))
@@ -214,12 +213,14 @@ def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
 def _needs_display(name: str) -> None:
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         hint = "write pictures with --images DIR, or a film of a trial with --video FILE"
-        raise InputError(name, "", [Diagnostic("no-display", "there is no display for a window", hint=hint)])
+        raise DiagnosticError([Diagnostic("no-display", "there is no display for a window", hint=hint)], name)
 
 
 def _needs_film_maker(place: Path) -> None:
     if place.suffix != ".mp4":
-        raise InputError(str(place), "", [Diagnostic("unknown-suffix", "a film's name ends in .mp4", hint="rename it")])
+        raise DiagnosticError(
+            [Diagnostic("unknown-suffix", "a film's name ends in .mp4", hint="rename it")], str(place)
+        )
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 
@@ -227,13 +228,13 @@ def _needs_film_maker(place: Path) -> None:
     except ImportError:
         hint = "install it: pip install 'graspdsl[video]'"
         fault = Diagnostic("not-installed", "films need imageio-ffmpeg", hint=hint)
-        raise InputError(str(place), "", [fault]) from None
+        raise DiagnosticError([fault], str(place)) from None
     except RuntimeError:  # its package brings none for some machines
         maker = ""
     if shutil.which(maker) is None:
         what = f"there is no program {maker}" if maker else "the program ffmpeg is not found"
         hint = "install ffmpeg, or say where it is in IMAGEIO_FFMPEG_EXE"
-        raise InputError(str(place), "", [Diagnostic("not-installed", f"films need ffmpeg: {what}", hint=hint)])
+        raise DiagnosticError([Diagnostic("not-installed", f"films need ffmpeg: {what}", hint=hint)], str(place))
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

@@ -6,8 +6,8 @@ from typing import Any
 
 from typer.core import TyperGroup
 
-from graspdsl.cli.inputs import InputError, answering
-from graspdsl.diagnostics import Diagnostic
+from graspdsl.cli.inputs import answering
+from graspdsl.diagnostics import Diagnostic, DiagnosticError
 
 
 class Commands(TyperGroup):
@@ -19,7 +19,7 @@ class Commands(TyperGroup):
             for word in args:
                 if not _is_text(word):
                     fault = Diagnostic("not-utf8", "this name is not UTF-8 text", hint="give it another name")
-                    raise InputError(word, "", [fault])
+                    raise DiagnosticError([fault], word)
         return super().make_context(info_name, args, parent, **extra)
 
 

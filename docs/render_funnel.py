@@ -24,9 +24,8 @@ WIDTH = 720  # pixels
 
 def main() -> None:
     """Run the experiment as its spec says and keep the figure of its report, smaller."""
-    text = SPEC.read_text("utf-8")
     with tempfile.TemporaryDirectory() as place:
-        folder = new_run(Path(place, "run"), program_of(text, SPEC.name), text, SPEC.name, ())
+        folder = new_run(Path(place, "run"), program_of(SPEC.read_text("utf-8"), SPEC.name))
         execute(folder)
         evidence = evidence_of(folder)
         write_report(evidence, summarised(evidence))

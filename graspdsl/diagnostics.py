@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import enum
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 MOST_NAMED = 40  # names in a hint
@@ -101,14 +102,31 @@ class Diagnostic:
 
 
 class DiagnosticError(Exception):
-    """Carries the complaints about one input from where they were found to whoever shows them."""
+    """Carries the complaints about one input from where they were found to whoever shows them.
 
-    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
-        self.diagnostics = tuple(diagnostics)
-        super().__init__("; ".join(diagnostic.message for diagnostic in self.diagnostics))
+    ``name``: what messages call the input, empty as long as nobody has said; ``source``: its text as far as there is
+    one. As text it is what the command line prints: each complaint with its place, its line and carets, its hint.
+    """
 
-    def __reduce__(self) -> tuple[object, ...]:  # so that it goes from one process to another
-        return type(self), (self.diagnostics,), self.__dict__
+    def __init__(self, diagnostics: Sequence[Diagnostic], name: str = "", source: str = "") -> None:
+        self.diagnostics, self.name, self.source = tuple(diagnostics), name, source
+        super().__init__(self.diagnostics, name, source)
+
+    def __str__(self) -> str:
+        if not self.name:
+            return "; ".join(diagnostic.message for diagnostic in self.diagnostics)
+        return "\n".join(as_text(diagnostic, self.name, self.source) for diagnostic in self.diagnostics)
+
+
+@contextmanager
+def reading(name: str, source: str = "") -> Iterator[None]:
+    """Complaints of what is done within, that are not about another input, are about the one of this name."""
+    try:
+        yield
+    except DiagnosticError as error:
+        if error.name:
+            raise
+        raise DiagnosticError(error.diagnostics, name, source) from None
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:

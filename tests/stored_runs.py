@@ -12,7 +12,7 @@ from graspdsl.trials.store import RunFolder
 def stored_run(place: Path, spec: Path, *overrides: str, begun: bool = True) -> RunFolder:
     """A run of a spec in a new folder, by one process; without any trial where it is not to have begun."""
     text = spec.read_text("utf-8")
-    folder = new_run(place, program_of(text, spec.name, overrides), text, spec.name, overrides)
+    folder = new_run(place, program_of(text, spec.name, overrides))
     if begun:
         execute(folder, workers=1)
     return folder

@@ -6,7 +6,9 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
+
+import yaml
 
 from graspdsl.basis.potentials import lowering
 from graspdsl.basis.resources import ContactSet
@@ -47,6 +49,16 @@ HERE = FilePath()
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
 
+class Source(NamedTuple):
+    """What a program is read from: the text of a spec, the name of its file, overrides as ``--set`` takes them, and the
+    folder of the files that it names by relative paths."""
+
+    text: str
+    name: str
+    overrides: tuple[str, ...] = ()
+    folder: FilePath = HERE
+
+
 @dataclass(frozen=True, slots=True)
 class Program:
     """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it.
@@ -54,6 +66,7 @@ class Program:
     ``definitions``: the controllers there are by name, the prelude's and its own.
     """
 
+    source: Source
     spec: Spec
     robot: Robot
     world: WorldKind
@@ -144,7 +157,8 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
     files = (*hand_files.files, *object_files)
     world, definitions = WORLDS[spec.scene.world], check.definitions
     sound = tuple(phase for phase in phases if phase is not None)
-    return Examination(Program(spec, check.robot, world, sound, body, files, definitions), diagnostics)
+    source = Source(text, name, overrides, folder)
+    return Examination(Program(source, spec, check.robot, world, sound, body, files, definitions), diagnostics)
 
 
 def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:
@@ -224,18 +238,18 @@ def program_of_expression(text: str) -> Program:
     slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[DEFAULT_WORLD].sliding | {
         GradientSpace.ROTATION
     }
-    spec = Spec.model_validate(
-        {
-            "graspdsl": 1,
-            "name": "formula",
-            "scene": {"world": DEFAULT_WORLD, "object": {"like": "towel-roll", "held": held}},
-            "resources": {entry.key.text: entry.value.text for entry in scene.resources},
-            "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
-            "control": {"displacement": "sliding" if slides else "probing"},
-            "program": [{"run": phase.label, "until": {"contact": "all"}}],
-        }
-    )
-    return Program(spec, hand, WORLDS[DEFAULT_WORLD], (phase,), catalogue()["towel-roll"])
+    written = {
+        "graspdsl": 1,
+        "name": "formula",
+        "scene": {"world": DEFAULT_WORLD, "object": {"like": "towel-roll", "held": held}},
+        "resources": {entry.key.text: entry.value.text for entry in scene.resources},
+        "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
+        "control": {"displacement": "sliding" if slides else "probing"},
+        "program": [{"run": phase.label, "until": {"contact": "all"}}],
+    }
+    source = Source(yaml.safe_dump(written, allow_unicode=True, sort_keys=False), "formula.yaml")
+    spec = Spec.model_validate(written)
+    return Program(source, spec, hand, WORLDS[DEFAULT_WORLD], (phase,), catalogue()["towel-roll"])
 
 
 class _ProgramCheck:

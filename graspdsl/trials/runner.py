@@ -19,7 +19,7 @@ from contextlib import closing, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
 
-from graspdsl.compiler.program import Program, program_of
+from graspdsl.compiler.program import Program, Source, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.trials.identity import FILE_READERS, identities, other_origin, versions
 from graspdsl.trials.interruption import SIGNALS, interruption
@@ -46,18 +46,21 @@ class WorkerEndedError(Exception):
         super().__init__(f"a worker process ended too early{cause}{advice}")
 
 
-def new_run(path: Path, program: Program, text: str, spec_file: str, overrides: Sequence[str]) -> RunFolder:
+def new_run(path: Path, program: Program) -> RunFolder:
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
-    trials = program.spec.trials
-    manifest = Manifest(
-        program.spec.name, spec_file, tuple(overrides), trials.seed, trials.count, versions(readers=bool(program.files))
-    )
-    return RunFolder.create(path, manifest, text, program.files)
+    source, trials, made_by = program.source, program.spec.trials, versions(readers=bool(program.files))
+    manifest = Manifest(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by)
+    return RunFolder.create(path, manifest, source.text, program.files)
+
+
+def source_of(folder: RunFolder) -> Source:
+    """What a run's program is read from."""
+    return Source(folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides, folder.files)
 
 
 def program_of_run(folder: RunFolder) -> Program:
     """The program that a run was made from."""
-    return program_of(*_recipe(folder))
+    return program_of(*source_of(folder))
 
 
 def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]) -> list[int]:
@@ -146,23 +149,16 @@ def _differs(made_by: Mapping[str, str]) -> Diagnostic:
     return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")
 
 
-Recipe = tuple[str, str, tuple[str, ...], Path]  # what program_of makes a program from
-
-
-def _recipe(folder: RunFolder) -> Recipe:
-    return folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides, folder.files
-
-
 Worker = multiprocessing.process.BaseProcess
 Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here what comes of them
 Answer = Trial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
 
 
-def _work(pipe: Pipe, recipe: Recipe, seed: int) -> None:
+def _work(pipe: Pipe, source: Source, seed: int) -> None:
     """What a worker process does, until it is killed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
-        loop = trial_loop(program_of(*recipe))
+        loop = trial_loop(program_of(*source))
         while True:
             for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
                 pipe.send(trial)
@@ -188,7 +184,7 @@ def _end_with_parent() -> None:
 def _elsewhere(
     folder: RunFolder, batches: Iterable[Sequence[int]], seed: int, workers: int, tell: OnDrawing
 ) -> Generator[Trial, None, None]:
-    recipe, left = _recipe(folder), iter(batches)
+    source, left = source_of(folder), iter(batches)
     crew: dict[Pipe, Worker] = {}
     waiting = 0  # batches given out that are not done
 
@@ -202,7 +198,7 @@ def _elsewhere(
     with interruption.at_the_end(lambda: _kill(crew)):
         for _ in range(workers):
             with interruption.whole():
-                pipe, worker = _started(recipe, seed)
+                pipe, worker = _started(source, seed)
                 crew[pipe] = worker
         waiting = sum(give(pipe) for pipe in [*crew] * AHEAD)
         while waiting:
@@ -217,10 +213,10 @@ def _elsewhere(
                     yield answer
 
 
-def _started(recipe: Recipe, seed: int) -> tuple[Pipe, Worker]:
+def _started(source: Source, seed: int) -> tuple[Pipe, Worker]:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    worker = context.Process(target=_work, args=(there, recipe, seed), daemon=True)
+    worker = context.Process(target=_work, args=(there, source, seed), daemon=True)
     with _sheltered():
         worker.start()
     there.close()

@@ -112,7 +112,7 @@ def test_a_start_that_cannot_be_is_a_class_of_its_own(tmp_path: Path) -> None:
     axes = [WantedAxis("roll", (-0.2, 0.2), 1), WantedAxis("height", (-0.2, 0.2), 2)]
     overrides = (*grid_settings(program(), axes), "program.1.limit=0.1")
     made = program(*overrides)
-    folder = new_run(tmp_path / "map", made, TEXT, SPEC.name, overrides)
+    folder = new_run(tmp_path / "map", made)
     execute(folder, workers=1)
     cells = cells_of(made.spec, folder.records())
     below, above = folder.records()

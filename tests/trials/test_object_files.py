@@ -19,9 +19,9 @@ SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
 OVERRIDES = ("trials.count=2", "program.1.limit=1.0")
 
 
-def _program(file: Path | str, folder: Path) -> tuple[Program, str]:
+def _program(file: Path | str, folder: Path) -> Program:
     text = SPEC.read_text("utf-8").replace("object: towel-roll", f"object: {{mesh: {{file: {file}}}}}")
-    return program_of(text, "spec.yaml", OVERRIDES, folder), text
+    return program_of(text, "spec.yaml", OVERRIDES, folder)
 
 
 def _part(folder: Path, height: float = 0.18) -> Path:
@@ -34,8 +34,8 @@ def _part(folder: Path, height: float = 0.18) -> Path:
 @pytest.mark.parametrize("absolute", [False, True])
 def test_a_run_is_finished_from_its_own_copies(absolute: bool, tmp_path: Path) -> None:
     part = _part(tmp_path / "spec")
-    program, text = _program(part if absolute else part.name, part.parent)
-    folder = new_run(tmp_path / "run", program, text, "spec.yaml", OVERRIDES)
+    program = _program(part if absolute else part.name, part.parent)
+    folder = new_run(tmp_path / "run", program)
     part.unlink()
     folder.path.rename(tmp_path / "moved")
     moved = RunFolder.open(tmp_path / "moved")
@@ -47,15 +47,15 @@ def test_a_run_is_finished_from_its_own_copies(absolute: bool, tmp_path: Path) -
 
 
 def test_another_file_of_the_same_name_is_another_trial(tmp_path: Path) -> None:
-    first, _ = _program(_part(tmp_path / "spec").name, tmp_path / "spec")
-    second, _ = _program(_part(tmp_path / "spec", 0.16).name, tmp_path / "spec")
+    first = _program(_part(tmp_path / "spec").name, tmp_path / "spec")
+    second = _program(_part(tmp_path / "spec", 0.16).name, tmp_path / "spec")
     assert identities(first, 1)(0) != identities(second, 1)(0)
 
 
 def test_a_run_does_not_go_on_with_another_file(tmp_path: Path) -> None:
     part = _part(tmp_path / "spec")
-    program, text = _program(part.name, part.parent)
-    folder = new_run(tmp_path / "run", program, text, "spec.yaml", ("trials.count=1", "program.1.limit=1.0"))
+    program = _program(part.name, part.parent)
+    folder = new_run(tmp_path / "run", program)
     execute(folder, workers=1)
     _part(folder.files, 0.16)
     with pytest.raises(DiagnosticError, match="this run was made from another spec"):

@@ -25,7 +25,7 @@ COUNT = 3
 def folder(tmp_path: Path) -> RunFolder:
     """A run that has not begun."""
     text, overrides = SPEC.read_text(encoding="utf-8"), (f"trials.count={COUNT}",)
-    return new_run(tmp_path / "run", program_of(text, SPEC.name, overrides), text, SPEC.name, overrides)
+    return new_run(tmp_path / "run", program_of(text, SPEC.name, overrides))
 
 
 def _numbers(folder: RunFolder) -> list[str]:

@@ -62,7 +62,7 @@ def test_a_trial_that_ended_before_its_first_tick_has_no_rows(tmp_path: Path) ->
 def test_a_program_lays_its_trajectories_out(tmp_path: Path) -> None:
     text, overrides = SPEC.read_text("utf-8"), ("trials.count=1",)
     program = program_of(text, SPEC.name, overrides)
-    folder = new_run(tmp_path / "run", program, text, SPEC.name, overrides)
+    folder = new_run(tmp_path / "run", program)
     execute(folder, 1)
     rows = folder.trajectory(0, Layout.of(program))
     assert rows["points"].shape == (len(rows["time"]), len(program.robot.contacts), 3)
