@@ -28,7 +28,7 @@ types: $(VENV)/.installed-dev
 	rm -rf build/types && mkdir -p build/types/graspdsl
 	ln -s $(CURDIR)/graspdsl/* $(CURDIR)/cli build/types/graspdsl/
 	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml --package graspdsl
-	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml --scripts-are-modules ../../benchmarks/*.py ../../docs/*.py
+	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml --scripts-are-modules ../../benchmarks/*.py ../../docs/*.py ../../docs/examples/*.py
 
 unit: $(VENV)/.installed-dev
 	$(BIN)/pytest -n auto

@@ -38,6 +38,9 @@ Out = Annotated[
     Path | None, typer.Option(parser=named, metavar="DIR", help="The run's folder; by default a new one in runs/.")
 ]
 Resume = Annotated[Path | None, typer.Option(parser=named, metavar="DIR", help="Finish the run in this folder.")]
+AllowCode = Annotated[
+    bool, typer.Option("--allow-code", help="Run the Python files that the spec names under 'code'. Read them first.")
+]
 Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
 
 
@@ -60,14 +63,17 @@ def _graspdsl(
 
 @app.command()
 def validate(
-    specs: Annotated[list[Path], typer.Argument(parser=named, metavar="SPEC", help="Spec files or hand files (YAML).")],
+    specs: Annotated[
+        list[Path], typer.Argument(parser=named, metavar="SPEC", help="Spec files, hand or mount files (YAML).")
+    ],
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
-    """Check specs and hand files: every fault, with its place and a way out."""
+    """Check specs, hand and mount files: every fault, with its place and a way out."""
     files, every_one_sound = [], True
     with answering():
         for path in specs:
-            source, diagnostics = judged(path)
+            source, diagnostics = judged(path, allow_code=allow_code)
             faulty = has_errors(diagnostics)
             every_one_sound = every_one_sound and not faulty
             files.append(as_file_json(str(path), diagnostics))
@@ -90,6 +96,7 @@ def run(
     resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Run a spec's trials and report what the controller did."""
     with answering(as_json):
@@ -99,14 +106,14 @@ def run(
                 raise typer.BadParameter(message, param_hint="--resume")
             from graspdsl.cli.running import finish, go_on
 
-            folder = go_on(resume, spec)
+            folder = go_on(resume, spec, allow_code=allow_code)
         elif spec is None:
             raise typer.BadParameter("give a spec, or --resume a run", param_hint="SPEC")
         else:
             overrides = list(settings)
             overrides += [f"trials.count={trials}"] if trials is not None else []
             overrides += [f"trials.seed={seed}"] if seed is not None else []
-            program = sound(spec, tuple(overrides))
+            program = sound(spec, tuple(overrides), allow_code=allow_code)
             from graspdsl.cli.running import begin, finish
 
             folder = begin("run", program, out)
@@ -140,6 +147,7 @@ def map_(
     ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Map the domain of attraction: which starts end in which mode or outcome."""
     with answering(as_json):
@@ -148,13 +156,20 @@ def map_(
         if resume is not None:
             if any(value is not None for value in (spec, over, grid, contact, seed, out)) or settings:
                 raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
-            code = resume_map(resume, workers, as_json)
+            code = resume_map(resume, workers, as_json, allow_code=allow_code)
         elif spec is None or over is None:
             raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
         else:
             axes = wanted_axes(over, USUAL_GRID if grid is None else grid)
             overrides = [*settings, *([f"trials.seed={seed}"] if seed is not None else [])]
-            code = make_map(spec, axes, tuple(overrides), contact=contact, workers=workers, out=out, as_json=as_json)
+            code = make_map(
+                *(spec, axes, tuple(overrides)),
+                contact=contact,
+                workers=workers,
+                out=out,
+                as_json=as_json,
+                allow_code=allow_code,
+            )
     raise typer.Exit(code)
 
 
@@ -174,13 +189,14 @@ def explain(
     what: Annotated[str, typer.Argument(metavar="SPEC|EXPRESSION", help="A spec file or a formula.")],
     form: Annotated[Form, typer.Option("--as", help="What to show of it.")] = Form.TEXT,
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Show what a formula means: equations, spaces, pipeline."""
     from graspdsl.cli.explaining import explanations
 
     wants_json = as_json or form is Form.JSON
     with answering(wants_json):
-        found = explanations(what)
+        found = explanations(what, allow_code=allow_code)
         if wants_json:
             result_json({"phases": [explanation.as_dict() for explanation in found]})
             return
@@ -200,12 +216,13 @@ def explain(
 def report(
     folder: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Summarise a run, finished or not, and write its page and figures anew."""
     with answering(as_json):
         from graspdsl.cli.running import opened, show
 
-        show(opened(folder), as_json)
+        show(opened(folder, allow_code=allow_code), as_json)
 
 
 @app.command()
@@ -218,6 +235,7 @@ def compare(
         typer.Option(parser=named, metavar="DIR", help="The comparison's folder; by default a new one in runs/."),
     ] = None,
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Put runs side by side, with differences, ratios and their intervals; figures and a page as files."""
     if len(folders) < 2:
@@ -225,7 +243,7 @@ def compare(
     with answering(as_json):
         from graspdsl.cli.comparing import show_comparison
 
-        show_comparison(folders, out, as_json)
+        show_comparison(folders, out, as_json, allow_code=allow_code)
 
 
 @app.command()
@@ -242,12 +260,13 @@ def experiments(
     ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """Run the chapter's experiments and say, point by point, what agrees with the chapter."""
     with answering(as_json):
         from graspdsl.cli.experimenting import Asked, run_experiments
 
-        code = run_experiments(Asked(tuple(specs), tuple(settings), trials, seed, workers, out, as_json))
+        code = run_experiments(Asked(tuple(specs), tuple(settings), trials, seed, workers, out, as_json, allow_code))
     raise typer.Exit(code)
 
 
@@ -273,6 +292,7 @@ def view(
     frames: Annotated[
         int | None, typer.Option(min=1, max=1000, help="How many pictures of a trial; by default 6.")
     ] = None,
+    allow_code: AllowCode = False,
 ) -> None:
     """Look at a trial, an object or a hand: in a window, as pictures or as a film."""
     if sum(chosen is not None for chosen in (run, thing, hand)) != 1:
@@ -287,7 +307,8 @@ def view(
         from graspdsl.cli import viewing
 
         if run is not None:
-            viewing.view_trial(run, trial or 0, images, video, viewing.PICTURES if frames is None else frames)
+            count = viewing.PICTURES if frames is None else frames
+            viewing.view_trial(run, trial or 0, images, video, count, allow_code=allow_code)
         elif thing is not None:
             viewing.view_object(thing, images)
         else:
@@ -305,8 +326,10 @@ class Kind(enum.StrEnum):
     MOUNTS = "mounts"
     SENSING = "sensing"
     OBJECTS = "objects"
+    SHAPES = "shapes"
     WORLDS = "worlds"
     GRADES = "grades"
+    MONITORS = "monitors"
 
 
 @app.command(name="list")
@@ -317,6 +340,7 @@ def list_(
         typer.Argument(parser=named, metavar="[SPEC]", help="A spec file (YAML) whose own controllers are listed too."),
     ] = None,
     as_json: AsJson = False,
+    allow_code: AllowCode = False,
 ) -> None:
     """List what there is to write with."""
     if spec is not None and kind is not Kind.CONTROLLERS:
@@ -324,14 +348,35 @@ def list_(
     with answering(as_json):
         from graspdsl.cli.listing import show_list
 
-        show_list(kind.value, as_json, spec)
+        show_list(kind.value, as_json, spec, allow_code=allow_code)
+
+
+@app.command()
+def check_plugin(
+    what: Annotated[
+        str,
+        typer.Argument(
+            metavar="DIST|FILE", help="An installed distribution, a Python file, which is run, or a YAML file."
+        ),
+    ],
+    as_json: AsJson = False,
+) -> None:
+    """Hold what a package or a file brings against the contracts that the built-in things keep."""
+    with answering(as_json):
+        from graspdsl.cli.checking import check_plugin as check
+
+        code = check(what, as_json)
+    raise typer.Exit(code)
 
 
 @app.command()
 def schema() -> None:
-    """Print the JSON Schema of specs, for editors."""
+    """Print the JSON Schema of specs, for editors, with what is installed."""
     with answering():
         from graspdsl.compiler.program import known_names
+        from graspdsl.plugins.adoption import adopted_all
+        from graspdsl.plugins.kinds import KINDS
         from graspdsl.spec.loading import json_schema
 
+        complain("graspdsl", "", adopted_all(KINDS))
         result_json(json_schema(known_names()))

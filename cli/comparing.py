@@ -13,18 +13,17 @@ from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.diagnostics import on_one_line, reading
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
 from graspdsl.report.comparison_page import PAGE, write_comparison
-from graspdsl.report.evidence import evidence_of
-from graspdsl.report.summary import plain, summarised
+from graspdsl.report.summary import plain
 from graspdsl.trials.store import fresh_folder
 
 
-def show_comparison(paths: list[Path], out: Path | None, as_json: bool) -> None:
+def show_comparison(paths: list[Path], out: Path | None, as_json: bool, *, allow_code: bool = False) -> None:
     """Print a comparison of the runs in these folders, and write its figures and its page."""
-    evidences = [evidence_of(folder) for folder in [opened(path) for path in paths]]
-    found = comparison([(evidence, summarised(evidence)) for evidence in evidences])
+    runs = [opened(path, allow_code=allow_code) for path in paths]
+    found = comparison([(run.evidence, run.summary) for run in runs])
     with reading(str(out or RUNS)):
         place = out or fresh_folder(RUNS, "compare")
-        write_comparison(place, evidences, found)
+        write_comparison(place, [run.evidence for run in runs], found)
     if as_json:
         result_json({**plain(found), "folder": str(place)})
     else:

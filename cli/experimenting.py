@@ -9,21 +9,21 @@ from pathlib import Path
 
 from rich.text import Text
 
+from graspdsl.api.runs import Run
 from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import result, result_json, say
-from graspdsl.cli.running import RUNS, carried_on, keeping, opened, page_of
+from graspdsl.cli.running import RUNS, carried_on, keeping, opened
 from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line, reading
 from graspdsl.places.document import parse_document
-from graspdsl.report.claims import EXPERIMENTS, Claim, claims_of
-from graspdsl.report.evidence import evidence_of
+from graspdsl.report.claims import EXPERIMENTS, Claim
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import verdict, write_experiments
-from graspdsl.report.summary import plain, summarised
+from graspdsl.report.summary import plain
 from graspdsl.report.tables import Column, Table
-from graspdsl.trials.runner import new_run, pending, program_of_run
-from graspdsl.trials.store import MANIFEST, RunFolder, fresh_folder, locked, made
+from graspdsl.trials.runner import new_run, pending
+from graspdsl.trials.store import MANIFEST, fresh_folder, locked, made
 
 ANOTHER = "name another folder with --out"
 
@@ -39,6 +39,7 @@ class Asked:
     workers: int | None = None
     out: Path | None = None
     as_json: bool = False
+    allow_code: bool = False
 
     @property
     def overrides(self) -> tuple[str, ...]:
@@ -52,6 +53,7 @@ class Asked:
         words = ["experiments", *map(str, self.specs)]
         words += [word for name, value in options if value is not None for word in (name, str(value))]
         words += [word for setting in self.settings for word in ("--set", setting)]
+        words += ["--allow-code"] if self.allow_code else []
         return [*words, "--out", str(out), *(["--json"] if self.as_json else [])]
 
 
@@ -78,7 +80,7 @@ def run_experiments(asked: Asked) -> int:
 
     Returns the exit code. Every spec, and every run begun before, is checked before the first one runs.
     """
-    chosen = [Experiment(spec, sound(spec, asked.overrides)) for spec in asked.specs]
+    chosen = [Experiment(spec, sound(spec, asked.overrides, allow_code=asked.allow_code)) for spec in asked.specs]
     for experiment in chosen:
         _known(experiment)
     _told_apart(chosen)
@@ -98,17 +100,12 @@ def _run_all(chosen: Sequence[Experiment], whole: Path, asked: Asked) -> int:
     claims: list[Claim] = []
     reports: dict[str, str] = {}
     for experiment in chosen:
-        folder = _begun(experiment, whole / experiment.name)
-        code = carried_on(folder, asked.workers, *asked.words(whole))
+        run = _begun(experiment, whole / experiment.name)
+        code = carried_on(run, asked.workers, *asked.words(whole))
         if code != 0:
             return code
-        with reading(str(folder.path)):
-            evidence = evidence_of(folder)
-            summary = summarised(evidence)
-            found = claims_of(evidence, summary)
-            page = page_of(evidence, summary, found)
-        claims += found
-        reports[experiment.name] = page.relative_to(whole).as_posix()
+        reports[experiment.name] = run.report().relative_to(whole).as_posix()
+        claims += run.claims
     page = write_experiments(whole, claims, reports)
     if asked.as_json:
         result_json({"run": str(whole), "claims": plain(claims)})
@@ -177,15 +174,15 @@ def _free_for(out: Path, chosen: Sequence[Experiment], overrides: tuple[str, ...
 
 def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) -> None:
     """A run that was begun before must have been begun in the same way."""
-    folder = opened(place)
-    if folder.spec_text != experiment.text:
+    begun = opened(place, allow_code=experiment.program.source.allow_code)
+    if begun.program.source.text != experiment.text:
         message = f"this run was begun from another spec than {experiment.spec}"
-    elif folder.manifest.overrides != overrides:
-        said = shlex.join(word for setting in folder.manifest.overrides for word in ("--set", setting))
+    elif begun.program.source.overrides != overrides:
+        said = shlex.join(word for setting in begun.program.source.overrides for word in ("--set", setting))
         message = f"this run was begun with other settings: {said or 'none'}"
     else:
         try:
-            pending(folder, program_of_run(folder), folder.finished())
+            pending(begun.folder, begun.program, begun.folder.finished())
         except DiagnosticError as error:
             faults = [replace(fault, hint=ANOTHER) for fault in error.diagnostics]
             raise DiagnosticError(faults, str(place)) from None
@@ -193,12 +190,12 @@ def _goes_on(experiment: Experiment, overrides: tuple[str, ...], place: Path) ->
     raise DiagnosticError([Diagnostic("run-differs", message, hint=ANOTHER)], str(place))
 
 
-def _begun(experiment: Experiment, place: Path) -> RunFolder:
+def _begun(experiment: Experiment, place: Path) -> Run:
     """A new run of an experiment, or the one that was begun here before."""
     if (place / MANIFEST).exists():
-        return opened(place)
+        return opened(place, allow_code=experiment.program.source.allow_code)
     with reading(str(place)):
-        return new_run(place, experiment.program)
+        return Run(new_run(place, experiment.program), experiment.program)
 
 
 def _text(claims: Sequence[Claim]) -> str:

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from graspdsl.compiler.explain import Explanation
 
 
-def explanations(what: str) -> list[Explanation]:
+def explanations(what: str, *, allow_code: bool = False) -> list[Explanation]:
     """The explanation of a formula in the default scene, or of every phase of a spec file. Raises DiagnosticError."""
     if what.endswith((".yaml", ".yml")) or _is_path(what):
-        return _of_spec(Path(what))
+        return _of_spec(Path(what), allow_code=allow_code)
     return _of_expression(what)
 
 
@@ -41,7 +41,7 @@ def _of_expression(text: str) -> list[Explanation]:
     return list(explained(program))
 
 
-def _of_spec(path: Path) -> list[Explanation]:
+def _of_spec(path: Path, *, allow_code: bool) -> list[Explanation]:
     from graspdsl.compiler.explain import explained
 
-    return list(explained(sound(path)))
+    return list(explained(sound(path, allow_code=allow_code)))

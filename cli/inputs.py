@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, result_json
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors
+from graspdsl.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
     from graspdsl.compiler.program import Program
 
 
 HAND_FILE = re.compile(r"(?:\s*(?:#[^\n]*)?\n)*hand\s*:")
+MOUNT_FILE = re.compile(HAND_FILE.pattern.replace("hand", "mount"))
 
 
 def named(text: str) -> Path:
@@ -27,28 +28,23 @@ def named(text: str) -> Path:
     return Path(text)
 
 
-def examined(path: Path, overrides: tuple[str, ...] = ()) -> tuple[Program | None, str, tuple[Diagnostic, ...]]:
-    """The program of a spec file if it is sound, its text, and every complaint about it."""
-    from graspdsl.compiler.program import examine
-    from graspdsl.places.files import folder_of_files, read_text
+def judged(path: Path, *, allow_code: bool = False) -> tuple[str, tuple[Diagnostic, ...]]:
+    """The text of a spec, of a hand file or of a mount file, and every complaint about it; the latter two say 'hand:'
+    or 'mount:' first of all."""
+    from graspdsl.api.programs import examined
 
-    try:
-        source = read_text(path)
-    except DiagnosticError as error:
-        return None, "", error.diagnostics
-    examination = examine(source, path.name, overrides, folder_of_files(path))
-    return examination.program, source, examination.diagnostics
-
-
-def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
-    """The text of a spec or of a hand file, and every complaint about it; a hand file says 'hand:' first of all."""
-    _, source, diagnostics = examined(path)
-    if HAND_FILE.match(source) is None:
-        return source, diagnostics
+    source, examination = examined(path, allow_code=allow_code)
+    is_mount = MOUNT_FILE.match(source) is not None
+    if HAND_FILE.match(source) is None and not is_mount:
+        return source, examination.diagnostics
     from graspdsl.hands.hand_files import HandFileError, hand_in
+    from graspdsl.hands.mount_files import mount_in
     from graspdsl.places.files import SpecFolder
 
     try:
+        if is_mount:
+            mount_in(path)
+            return source, ()
         return source, hand_in(SpecFolder(path.parent), path.name).warnings
     except HandFileError as error:
         return error.text, error.diagnostics
@@ -56,20 +52,24 @@ def judged(path: Path) -> tuple[str, tuple[Diagnostic, ...]]:
         return source, error.diagnostics
 
 
-def sound(path: Path, overrides: tuple[str, ...] = ()) -> Program:
+def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = False) -> Program:
     """The program of a spec file; warnings go to stderr. Raises DiagnosticError when it has errors."""
-    program, source, diagnostics = examined(path, overrides)
-    if program is None or has_errors(diagnostics):
-        raise DiagnosticError(diagnostics, str(path), source)
-    complain(str(path), source, diagnostics)
+    from graspdsl.api.programs import examined, program_in
+
+    source, examination = examined(path, overrides, allow_code=allow_code)
+    program = program_in(examination, str(path), source)
+    complain(str(path), source, examination.diagnostics)
     return program
 
 
 @contextmanager
 def answering(as_json: bool = False) -> Iterator[None]:
     """What a command does within ends with the right exit code when its input is refused."""
+    from graspdsl.plugins.answering import answered_for
+
     try:
-        yield
+        with answered_for():
+            yield
     except DiagnosticError as error:
         name = error.name or "graspdsl"
         complain(name, error.source, error.diagnostics)

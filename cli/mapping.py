@@ -10,12 +10,14 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from graspdsl.cli.inputs import examined, sound
+from graspdsl.api.programs import program_in
+from graspdsl.api.runs import Run
+from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
-from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened
+from graspdsl.cli.running import RUNS, begin, carried_on, keeping, kept, opened, resuming
 from graspdsl.cli.tables import laid_out, text_of
-from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import DiagnosticError, on_one_line, reading
+from graspdsl.compiler.program import Program, examine
+from graspdsl.diagnostics import on_one_line, reading
 from graspdsl.places.files import COPIES
 from graspdsl.report.attraction import (
     FILES,
@@ -32,8 +34,7 @@ from graspdsl.report.wording import percent, percents
 from graspdsl.report.writing import prepare, replace
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.maps import Cells, WantedAxis, axes_of, floating_cells, grid_settings, refused
-from graspdsl.trials.runner import program_of_run
-from graspdsl.trials.store import SPEC, RunFolder, fresh_folder
+from graspdsl.trials.store import SPEC, fresh_folder
 
 MOST_CELLS, MOST_ALONG = 100_000, 1000
 _AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")
@@ -92,9 +93,10 @@ def make_map(
     workers: int | None,
     out: Path | None,
     as_json: bool,
+    allow_code: bool = False,
 ) -> int:
     """Map a spec over two axes, write the map's files and show it. Returns the exit code."""
-    program = sound(spec, settings)
+    program = sound(spec, settings, allow_code=allow_code)
     source = program.source.text
     if not program.world.has("hand"):
         if_interrupted("nothing is kept of a map of floating contacts, which is made in one go: begin it again")
@@ -104,7 +106,9 @@ def make_map(
         seed = program.spec.trials.seed
         with reading(str(out or RUNS)), interruption.whole():
             folder = out or fresh_folder(RUNS, f"{program.spec.name}-map")
-            made = attraction_map(program, cells, seed, repeating(folder / SPEC, cells, seed, settings))
+            made = attraction_map(
+                program, cells, seed, repeating(folder / SPEC, cells, seed, settings, allow_code=allow_code)
+            )
             prepare(folder, {SPEC: source, **copies, **_files(made)})
         show_map(made, folder, as_json)
         return 0
@@ -112,31 +116,31 @@ def make_map(
         if contact is not None:
             raise refused("not-mapped", "the hand starts as a whole here: no contact by itself", "leave out --contact")
         whole = (*settings, *grid_settings(program, axes))
-        _, _, known = examined(spec, settings)
-        mapped, _, found = examined(spec, whole)
-    if mapped is None:
-        raise DiagnosticError(found, str(spec), source)
-    complain(str(spec), source, [diagnostic for diagnostic in found if diagnostic not in known])
+        known = examine(*program.source).diagnostics
+        gridded = examine(*program.source._replace(overrides=whole))
+    mapped = program_in(gridded, str(spec), source)
+    complain(str(spec), source, [diagnostic for diagnostic in gridded.diagnostics if diagnostic not in known])
     return finish_map(begin("map", mapped, out), workers, as_json)
 
 
-def resume_map(path: Path, workers: int | None, as_json: bool) -> int:
+def resume_map(path: Path, workers: int | None, as_json: bool, *, allow_code: bool = False) -> int:
     """Finish the map in a folder and show it. Returns the exit code."""
     if_interrupted(kept("map", "--resume", str(path)))
-    folder = opened(path)
+    run = opened(path, allow_code=allow_code)
     with reading(str(path)):
-        axes_of(program_of_run(folder).spec)
-    return finish_map(folder, workers, as_json)
+        axes_of(run.program.spec)
+    return finish_map(run, workers, as_json)
 
 
-def finish_map(folder: RunFolder, workers: int | None, as_json: bool) -> int:
+def finish_map(run: Run, workers: int | None, as_json: bool) -> int:
     """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
-    with keeping(folder.path, "map", "--resume", str(folder.path)):
-        code = carried_on(folder, workers, "map", "--resume", str(folder.path))
+    words = resuming("map", run.folder)
+    with keeping(run.path, *words):
+        code = carried_on(run, workers, *words)
         if code == 0:
-            made = map_of_run(folder)
-            replace(folder.path, _files(made))
-            show_map(made, folder.path, as_json)
+            made = map_of_run(run.folder)
+            replace(run.path, _files(made))
+            show_map(made, run.path, as_json)
     return code
 
 

@@ -11,17 +11,19 @@ from pathlib import Path
 
 import numpy as np
 
+from graspdsl.api.progress import Progress
 from graspdsl.cli.messages import complain, result, say
-from graspdsl.cli.progress import Progress
 from graspdsl.cli.running import opened
 from graspdsl.compiler.object_check import body_in
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
+from graspdsl.objects.object_files import Mesh
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.files import SpecFolder, read_text
+from graspdsl.plugins.adoption import adopted_all
 from graspdsl.report.writing import replace
-from graspdsl.spec.scene import InlineObject, Mesh
+from graspdsl.spec.scene import InlineObject
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import Label, annotated, png
@@ -36,11 +38,13 @@ FILM_OVERSAMPLING = 1  # of pictures that move, where rough edges are hardly see
 MOUNT = "gantry"
 
 
-def view_trial(run: Path, number: int, images: Path | None, video: Path | None, count: int) -> None:
+def view_trial(
+    run: Path, number: int, images: Path | None, video: Path | None, count: int, *, allow_code: bool = False
+) -> None:
     """Replay a trial of a run: so many pictures evenly over it, a film in its own time, or the window."""
     if video is not None:
         _needs_film_maker(video)
-    folder = opened(run)
+    folder = opened(run, allow_code=allow_code).folder
     in_window = images is None and video is None
     if in_window:
         _needs_display(str(run))
@@ -59,6 +63,8 @@ def view_trial(run: Path, number: int, images: Path | None, video: Path | None, 
 def view_object(name: str, images: Path | None) -> None:
     """An object of the catalogue or of a file, as it stands on the table."""
     known = catalogue()
+    if name not in known and not Path(name).suffix:
+        complain(name, "", adopted_all(["objects"]))
     if name not in known and not Path(name).suffix:
         raise DiagnosticError([Diagnostic("unknown-object", "there is no such object", hint=_hint(name, known))], name)
     body = known[name] if name in known else _object_of_file(name)
@@ -119,6 +125,8 @@ def _object_of_file(name: str) -> Body:
 
 
 def _hand_of_catalogue(name: str) -> Robot:
+    if name not in hands():
+        complain(name, "", adopted_all(["hands"]))
     known = {hand: found for hand, found in hands().items() if found.urdf}
     if name not in known:
         raise DiagnosticError([Diagnostic("unknown-hand", "there is no such hand", hint=_hint(name, known))], name)
@@ -132,7 +140,7 @@ def _hand_of_file(path: Path) -> Robot:
         except HandFileError as error:
             raise DiagnosticError(error.diagnostics, str(path), error.text) from None
         complain(str(path), read_text(path), found.warnings)
-    return Robot(hand=found.hand, mount=mounts()[MOUNT], hand_model=found.model)
+    return Robot(hand=found.hand, mount=mounts()[MOUNT])
 
 
 def _play(replay: Replay) -> None:
@@ -164,7 +172,7 @@ def _film(place: Path, replay: Replay) -> None:
         try:
             film = write_frames(str(draft), SIZE, fps=FILM_RATE, macro_block_size=1, ffmpeg_log_level="quiet")
             film.send(None)
-            with Progress(len(ticks)) as progress:
+            with Progress(len(ticks), to=say) as progress:
                 for tick in ticks:
                     film.send(np.asarray(replay.picture(int(tick), FILM_OVERSAMPLING)).tobytes())
                     progress.step()

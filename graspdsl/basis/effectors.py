@@ -9,7 +9,6 @@ coordinates, which shrink towards their poles (Eq. 4.4).
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -296,7 +295,7 @@ def _pressing(jacobian: Array, normals: Array) -> Array:
     return np.asarray(pressed)
 
 
-EFFECTORS: Mapping[str, Effector] = {
+EFFECTORS: dict[str, Effector] = {
     effector.symbol: effector
     for effector in (
         ForceResidualSurface(),

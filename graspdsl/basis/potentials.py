@@ -222,7 +222,7 @@ class PostureDistance(HalfSquared):
     law = ShareOfError()
 
 
-POTENTIALS: Mapping[str, Potential] = {
+POTENTIALS: dict[str, Potential] = {
     potential.symbol: potential
     for potential in (
         ForceResidual(),

@@ -7,7 +7,6 @@ physical contact, 1/|α| for each member of a virtual contact (Eq. 4.32).
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -214,7 +213,7 @@ class Posture(Sensor):
         return np.asarray(np.einsum("sn,...n->...s", mixing, joints))
 
 
-SENSORS: Mapping[str, Sensor] = {
+SENSORS: dict[str, Sensor] = {
     sensor.symbol: sensor
     for sensor in (
         UnitNormals(),

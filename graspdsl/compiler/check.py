@@ -10,19 +10,22 @@ from typing import TypeVar
 from graspdsl.basis.effectors import EFFECTORS, Effector
 from graspdsl.basis.entry import cited
 from graspdsl.basis.potentials import POTENTIALS, Potential
+from graspdsl.basis.prelude import Definition
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.compiler.definitions import TOO_LARGE, Bindings, Definition, abbreviations_in, expanded, in_order_of_use
+from graspdsl.compiler.definitions import TOO_LARGE, Bindings, abbreviations_in, expanded, in_order_of_use
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.references import ReferenceCheck
 from graspdsl.compiler.resources import ResourceTable
 from graspdsl.diagnostics import DiagnosticError, known_names_hint, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
+from graspdsl.plugins.kinds import with_offered
 
 T = TypeVar("T")
+OF_A_HELD_OBJECT = frozenset({"centre_of_mass", "weight"})
 MOST_DEPTH = 100
 MOST_PARTS = 2000
 
@@ -184,7 +187,7 @@ class Checker:
         name = tree.name.text
         definition = self.definitions.get(name)
         if definition is None:
-            hint = known_names_hint(name, self.definitions, "controllers")
+            hint = known_names_hint(name, with_offered("controllers", self.definitions), "controllers")
             self.complaints.error("unknown-controller", f"there is no controller {name}", tree.name.span, hint)
             return None
         if name in self._open:
@@ -320,6 +323,11 @@ class Checker:
     def sensed(self, resources: syntax.Resources, sensor: Sensor | None) -> ContactSet | JointSet | None:
         """The resources of a sensor transform, without gravity where it feels none."""
         found = self._resolved(resources, sensor is not None and sensor.over_joints)
+        if sensor is not None and not self._resources.senses_gravity and not OF_A_HELD_OBJECT.isdisjoint(sensor.reads):
+            message = f"{sensor.symbol} cannot be sensed: weight and centre of mass are known only of a held object"
+            hint = "add 'held: true' to the object, or use another sensor transform"
+            self.complaints.error("not-sensed", message, resources.span, hint)
+            return None
         if sensor is None or sensor.feels_gravity or not isinstance(found, ContactSet):
             return found
         contacts = found.without_gravity
@@ -351,7 +359,8 @@ class Checker:
     def _known(self, name: syntax.Name, table: Mapping[str, T], what: str) -> T | None:
         found = table.get(name.text)
         if found is None:
-            hint = known_names_hint(name.text, table, f"{what}s")
-            code = f"unknown-{what.split()[0]}"
+            symbol = what.split()[0]
+            hint = known_names_hint(name.text, with_offered(f"{symbol}s", table), f"{what}s")
+            code = f"unknown-{symbol}"
             self.complaints.error(code, f"there is no {what} {name.text}", name.span, hint)
         return found

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path as FilePath
+from dataclasses import replace
 from typing import TypeVar
 
-import yaml
-
-import graspdsl.basis
 from graspdsl.basis.entry import cited
+from graspdsl.basis.prelude import Definition, prelude
 from graspdsl.compiler.complaints import Complaints, span_of
 from graspdsl.compiler.declarations import Declaration
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
@@ -33,45 +29,14 @@ from graspdsl.notation.tree import (
     Vector,
     Virtual,
 )
-from graspdsl.places.document import Path
 
 
-@dataclass(frozen=True, slots=True)
-class Definition:
-    """head ≡ body, with the equation that it comes from and what it is for. ``path``: where a spec has the body.
-
-    A ``body`` of None stands for one that could not be read or that has faults, which has had its complaints.
-    """
-
-    head: Head
-    body: Expression | None
-    equation: str = ""
-    about: str = ""
-    in_prelude: bool = False
-    path: Path = ()
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """The names in the head that a use puts its own resources and reference in place of."""
-        reference = () if self.head.reference is None else (self.head.reference,)
-        return tuple(name.text for name in (*self.head.effector, *self.head.sensor, *reference))
-
-
-@cache
-def prelude() -> Mapping[str, Definition]:
-    """The chapter's controllers by name."""
-    file = FilePath(graspdsl.basis.__path__[0], "prelude.yaml")
-    entries = yaml.safe_load(file.read_text("utf-8"))["controllers"]
-    definitions = [
-        Definition(parse_head(head), parse_expression(entry["is"]), entry["equation"], entry["about"], in_prelude=True)
-        for head, entry in entries.items()
-    ]
-    return {definition.head.name.text: definition for definition in definitions}
-
-
-def definitions_with(entries: Sequence[Declaration], complaints: Complaints) -> dict[str, Definition]:
-    """The prelude and the spec's own definitions; complains about faulty, repeated and overriding ones."""
-    known = dict(prelude())
+def definitions_with(
+    entries: Sequence[Declaration], complaints: Complaints, of_others: Mapping[str, Definition]
+) -> dict[str, Definition]:
+    """The prelude, definitions of other packages and the spec's own; complains about faulty, repeated and overriding
+    ones."""
+    known = {**prelude(), **of_others}
     for entry in entries:
         complaints.about(entry.path)
         head: Head | None = None
@@ -89,6 +54,7 @@ def definitions_with(entries: Sequence[Declaration], complaints: Complaints) -> 
         name = head.name.text
         if name in known:
             where = f"in the prelude ({cited(known[name].equation)})" if known[name].in_prelude else "above"
+            where = f"by {known[name].by}" if known[name].by else where
             complaints.error(
                 "controller-redefined",
                 f"{name} is defined already, {where}",

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from graspdsl.basis.entry import cited
+from graspdsl.basis.prelude import Definition
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import measuring
-from graspdsl.compiler.definitions import Definition
 from graspdsl.compiler.general_position import in_general_position
 from graspdsl.compiler.graph import (
     Composition,

@@ -37,7 +37,7 @@ def facts_of(spec: Spec) -> SceneFacts:
         longest=max(phase.limit for phase in spec.program),
         waiting=tuple(p.limit for p in spec.program if p.until.force_residual or p.until.moment_residual),
         tick=None if world.probes(spec.control.displacement) else 1.0 / world.rate,
-        bounds={key: getattr(spec.monitors, key) for key in MONITORS},
+        bounds={key: spec.monitors.given(key) for key in MONITORS},
     )
 
 

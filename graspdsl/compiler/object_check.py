@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path as FilePath
-from pathlib import PurePath, PurePosixPath
-
-import numpy as np
+from pathlib import PurePosixPath
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.objects.mesh_files import SUFFIXES, mesh_of_file
+from graspdsl.objects.mesh_files import SUFFIXES
+from graspdsl.objects.object_files import DEFAULT_MASS, Warn, body_of_mesh, body_of_urdf
 from graspdsl.objects.shapes import Body, catalogue
-from graspdsl.objects.urdf_files import object_of_urdf
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
 from graspdsl.places.wording import shortened
 from graspdsl.spec.models import Spec
-from graspdsl.spec.scene import InlineObject, Mesh
+from graspdsl.spec.scene import InlineObject
 from graspdsl.worlds.kinds import WORLDS
-
-DEFAULT_MASS = 0.5  # kg
-
-Warn = Callable[[Diagnostic], None]
 
 
 def file_hint(name: str, on_command_line: bool = False) -> str | None:
@@ -89,19 +82,10 @@ def body_in(folder: SpecFolder, choice: str | InlineObject, warn: Warn) -> Body:
     if isinstance(choice, str):
         return catalogue()[choice]
     if choice.mesh is not None:
-        return _of_mesh(folder, choice, choice.mesh, warn)
+        return body_of_mesh(choice.mesh, choice.mass, choice.name, folder, warn)
     if choice.urdf is not None:
-        found = object_of_urdf(choice.urdf, folder, warn)
-        mass = choice.mass or found.mass or DEFAULT_MASS
-        return Body(choice.name or PurePath(choice.urdf).stem, found.shape, mass, digest=folder.digest)
+        return body_of_urdf(choice.urdf, choice.mass, choice.name, folder, warn)
     if choice.shape is None:
         known = catalogue()[choice.like or ""]
         return replace(known, name=choice.name or known.name, mass=choice.mass or known.mass)
     return Body(choice.name or choice.shape.name, choice.shape, choice.mass or DEFAULT_MASS)
-
-
-def _of_mesh(folder: SpecFolder, choice: InlineObject, mesh: Mesh, warn: Warn) -> Body:
-    content = folder.read(mesh.file)
-    shape = mesh_of_file(mesh.file, content, np.full(3, mesh.scale), mesh.convex, warn)
-    mass = choice.mass or (DEFAULT_MASS if mesh.density is None else mesh.density * shape.solid.volume)
-    return Body(choice.name or PurePath(mesh.file).stem, shape, mass, digest=folder.digest)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import displaced_in
+from graspdsl.basis.prelude import Definition
 from graspdsl.basis.resources import ContactResource, ContactSet
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.basis.spaces import GradientSpace
-from graspdsl.compiler.definitions import Definition
 from graspdsl.compiler.graph import ControllerGraph, ControllerNode, ControllerReference, controllers_in
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
@@ -35,6 +35,16 @@ class CheckedPhase:
     def label(self) -> str:
         """The formula in Unicode."""
         return to_unicode(self.formula)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is of an object that is held: one that contacts turn, or whose weight is sensed."""
+        nodes = [node for stage in self.stages for node in controllers_in(stage)]
+        return any(
+            node.gradient_space is GradientSpace.ROTATION
+            or (isinstance(node.sensor_resources, ContactSet) and node.sensor_resources.has_gravity)
+            for node in nodes
+        )
 
     def executed(self, target: Target) -> tuple[ControllerGraph, ...]:
         """The controllers of its stages as they are carried out."""

@@ -80,6 +80,21 @@ class Ticks:
     ranks: Array
     locked: Flags
 
+    def alone(self, space: str) -> Tick:
+        """The tick of a single one, without leading axes; its command is in a space. Raises ValueError where that is no
+        finite number."""
+        if not np.isfinite(self.displacement).all():
+            raise ValueError("the command is no finite number: what the observation holds is out of all proportion")
+        return Tick(
+            command=Command(space, self.displacement),
+            force_residual=self.force_residual,
+            moment_residual=self.moment_residual,
+            force_error=float(self.force_error),
+            leaks=tuple(self.leaks.tolist()),
+            ranks=tuple(int(rank) for rank in self.ranks),
+            locked=self.locked,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Pipeline:
@@ -115,16 +130,7 @@ class Pipeline:
 
     def evaluate(self, observation: Observation) -> Tick:
         """One tick: the command, the sensed residuals and the leaks."""
-        ticks = self.ticks(observation)
-        return Tick(
-            command=Command(self.space, ticks.displacement),
-            force_residual=ticks.force_residual,
-            moment_residual=ticks.moment_residual,
-            force_error=float(ticks.force_error),
-            leaks=tuple(ticks.leaks.tolist()),
-            ranks=tuple(int(rank) for rank in ticks.ranks),
-            locked=ticks.locked,
-        )
+        return self.ticks(observation).alone(self.space)
 
     def ticks(self, observation: Observation) -> Ticks:
         """One tick of as many trials as the observation has leading axes for; what becomes of each is its own affair.

@@ -8,15 +8,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import NamedTuple, TypeVar
 
-import yaml
-
 from graspdsl.basis.potentials import lowering
-from graspdsl.basis.resources import ContactSet
+from graspdsl.basis.prelude import Definition, prelude
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, span_of
-from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of, default_scene
-from graspdsl.compiler.definitions import Definition, definitions_with, prelude, used_in
+from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of
+from graspdsl.compiler.definitions import definitions_with, used_in
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
 from graspdsl.compiler.monitors_check import check_monitors
@@ -27,6 +25,7 @@ from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
+from graspdsl.compiler.surroundings import OBJECT, USUAL, Surroundings
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -37,8 +36,12 @@ from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
+from graspdsl.places.folders import told_of
+from graspdsl.plugins.adoption import Adoption, adopted, adopted_in
+from graspdsl.plugins.answering import answered_for
+from graspdsl.plugins.kinds import Plugin, is_built_in, with_offered
 from graspdsl.quality.grades import GRADES
-from graspdsl.spec.loading import Known, Reading, read_spec
+from graspdsl.spec.loading import Known, Reading, Written, load_spec_text, read_document, spec_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kind import WorldKind
@@ -46,24 +49,27 @@ from graspdsl.worlds.kinds import WORLDS, worlds_with
 
 T = TypeVar("T")
 HERE = FilePath()
+AROUND = "formula.yaml"  # the spec that is written around a formula
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
 
 
 class Source(NamedTuple):
-    """What a program is read from: the text of a spec, the name of its file, overrides as ``--set`` takes them, and the
-    folder of the files that it names by relative paths."""
+    """What a program is read from: the text of a spec, the name of its file, overrides as ``--set`` takes them, the
+    folder of the files that it names by relative paths, and whether Python files among these may be run."""
 
     text: str
     name: str
     overrides: tuple[str, ...] = ()
     folder: FilePath = HERE
+    allow_code: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Program:
     """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it.
 
-    ``definitions``: the controllers there are by name, the prelude's and its own.
+    ``definitions``: the controllers there are by name, the prelude's and its own. ``plugins``: what it uses of other
+    packages and of its own code.
     """
 
     source: Source
@@ -74,6 +80,11 @@ class Program:
     body: Body
     files: tuple[NamedFile, ...] = ()
     definitions: Mapping[str, Definition] = field(default_factory=prelude)
+    plugins: tuple[Plugin, ...] = ()
+
+    def __repr__(self) -> str:
+        phases = "; ".join(phase.label for phase in self.phases)
+        return f"<Program {self.spec.name}, {self.spec.scene.world}: {phases}>"
 
     @property
     def probes(self) -> bool:
@@ -117,19 +128,33 @@ def known_names() -> Known:
     }
 
 
-def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Examination:
+def examine(
+    text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE, allow_code: bool = False
+) -> Examination:
     """Check the text of a spec, faults of YAML, of values and of formulas all in one go.
 
-    Files that the spec names by relative paths are in ``folder``.
+    Files that the spec names by relative paths are in ``folder``; its Python files are run where code is allowed.
     """
     try:
-        reading = read_spec(text, name, overrides, known_names())
+        written = read_document(text, name, overrides)
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
+    adoption = adopted(written.document, folder, allow_code=allow_code)
+    source = Source(text, name, overrides, folder, allow_code)
+    try:
+        with answered_for(adoption.plugins):
+            return _judged(written, adoption, source)
+    except DiagnosticError as error:
+        return Examination(None, in_reading_order([*adoption.faults, *error.diagnostics]))
+
+
+def _judged(written: Written, adoption: Adoption, source: Source) -> Examination:
+    folder = source.folder
+    reading = spec_of(written, known_names())
     spec, document = reading.spec, reading.document
     complaints = Complaints(document, spec.parameters)
     hand_files = SpecFolder(folder)
-    check = _ProgramCheck(declarations_of(spec, document), complaints, hand_files)
+    check = _ProgramCheck(declarations_of(spec, document), complaints, hand_files, adoption.controllers)
     phases = check.phases()
     _parameters_once(spec, document, complaints)
     check_scene(spec, document, complaints)
@@ -150,15 +175,17 @@ def examine(text: str, name: str, overrides: tuple[str, ...] = (), folder: FileP
         check_effects(spec, check.robot, motion, phases, thing and thing[0], document, complaints)
         if thing is not None and motion is not None:
             check_sizes(spec, check.robot.hand, motion, thing[0], document, complaints)
-    diagnostics = in_reading_order([*reading.faults, *_own(complaints.found, reading)])
+    found = [*reading.faults, *_own(complaints.found, reading)]
+    found = [complaint for complaint in found if not adoption.explains(complaint)]
+    diagnostics = in_reading_order([*adoption.faults, *found])
     if check.robot is None or thing is None or has_errors(diagnostics):
         return Examination(None, diagnostics)
     body, object_files = thing
-    files = (*hand_files.files, *object_files)
+    files = (*hand_files.files, *object_files, *adoption.files)
     world, definitions = WORLDS[spec.scene.world], check.definitions
     sound = tuple(phase for phase in phases if phase is not None)
-    source = Source(text, name, overrides, folder)
-    return Examination(Program(source, spec, check.robot, world, sound, body, files, definitions), diagnostics)
+    program = Program(source, spec, check.robot, world, sound, body, files, definitions, adoption.plugins)
+    return Examination(program, diagnostics)
 
 
 def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:
@@ -203,62 +230,83 @@ def _own(found: Iterable[Diagnostic], reading: Reading) -> list[Diagnostic]:
     return [said for said in found if (_DECLARED_IN.get(said.code),) not in reading.unread]
 
 
-def program_of(text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE) -> Program:
+def program_of(
+    text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE, allow_code: bool = False
+) -> Program:
     """The program of a spec without errors; otherwise raises DiagnosticError."""
-    examination = examine(text, name, overrides, folder)
+    examination = examine(text, name, overrides, folder, allow_code)
     if examination.program is None:
         raise DiagnosticError(examination.diagnostics)
     return examination.program
 
 
-def examine_expression(text: str) -> tuple[CheckedPhase, Robot]:
-    """Check an expression in the default scene. Raises DiagnosticError."""
-    complaints = Complaints()
-    check = _ProgramCheck(default_scene(), complaints, SpecFolder(HERE))
+def examine_expression(text: str, around: Surroundings = USUAL) -> tuple[CheckedPhase, Robot]:
+    """Check a formula outside a spec. Raises DiagnosticError about it, or about the spec written of what is around."""
+    complaints, adoption = Complaints(), adopted_in(text)
+    check = _check_around(_named(around), complaints, adoption)
     phase = check.phase(SourceText.of(text), ())
-    if phase is None or check.robot is None:
-        raise DiagnosticError(in_reading_order(complaints.found))
+    if phase is None or check.robot is None or has_errors(adoption.faults):
+        found = [complaint for complaint in complaints.found if not adoption.explains(complaint)]
+        raise DiagnosticError(in_reading_order([*adoption.faults, *found]))
     return phase, check.robot
 
 
-def program_of_expression(text: str) -> Program:
-    """The program whose one phase is an expression, in the default scene. Raises DiagnosticError.
+def _named(around: Surroundings) -> Surroundings:
+    """What is around a formula, with names for the contacts of the hand where none are given."""
+    if around.resources is not None:
+        return around
+    robot = _check_around(around, Complaints(), Adoption()).robot
+    return around.of_all(robot.contacts if robot else ())
 
-    The scene is what the expression needs: contacts are displaced by probing where it commands their displacements,
-    and the object is held where it turns contacts or senses gravity.
+
+def _check_around(around: Surroundings, complaints: Complaints, adoption: Adoption) -> _ProgramCheck:
+    """What checks a formula of which there is an adoption, as of the spec that is written around it."""
+    written = around.written("π_close|Γ Γ", held=bool(around.held), displacement="sliding")
+    of_spec = read_document(written, AROUND)
+    named = adopted(of_spec.document, HERE)
+    found = spec_of(of_spec, known_names())
+    declarations = replace(declarations_of(found.spec, found.document), senses_gravity=True)
+    controllers = {**named.controllers, **adoption.controllers}
+    check = _ProgramCheck(declarations, complaints, SpecFolder(HERE), controllers)
+    faults = [complaint for complaint in (*found.faults, *complaints.found) if not named.explains(complaint)]
+    if has_errors([*named.faults, *faults]):
+        raise DiagnosticError(in_reading_order([*named.faults, *faults]), AROUND, written)
+    complaints.found.clear()
+    return check
+
+
+def program_of_expression(text: str, around: Surroundings = USUAL) -> Program:
+    """The program whose one phase is a formula outside a spec. Raises DiagnosticError as :func:`examine_expression`.
+
+    Where nothing is said of them, the object is held where the formula turns contacts or senses gravity, and contacts
+    are displaced by probing where it commands their displacements.
     """
-    phase, hand = examine_expression(text)
-    scene = default_scene()
-    nodes = [node for stage in phase.stages for node in controllers_in(stage)]
-    held = any(
-        node.gradient_space is GradientSpace.ROTATION
-        or (isinstance(node.sensor_resources, ContactSet) and node.sensor_resources.has_gravity)
-        for node in nodes
+    around = _named(around)
+    phase, whole = examine_expression(text, around)
+    kind = WORLDS[DEFAULT_WORLD]
+    slides = {stage.gradient_space for stage in phase.stages} <= kind.sliding | {GradientSpace.ROTATION}
+    written = around.written(
+        phase.label,
+        held=phase.holds if around.held is None else around.held,
+        displacement="sliding" if slides else "probing",
     )
-    slides = {stage.gradient_space for stage in phase.stages} <= WORLDS[DEFAULT_WORLD].sliding | {
-        GradientSpace.ROTATION
-    }
-    written = {
-        "graspdsl": 1,
-        "name": "formula",
-        "scene": {"world": DEFAULT_WORLD, "object": {"like": "towel-roll", "held": held}},
-        "resources": {entry.key.text: entry.value.text for entry in scene.resources},
-        "parameters": {name: list(values or ()) for name, values in scene.parameters.items()},
-        "control": {"displacement": "sliding" if slides else "probing"},
-        "program": [{"run": phase.label, "until": {"contact": "all"}}],
-    }
-    source = Source(yaml.safe_dump(written, allow_unicode=True, sort_keys=False), "formula.yaml")
-    spec = Spec.model_validate(written)
-    return Program(source, spec, hand, WORLDS[DEFAULT_WORLD], (phase,), catalogue()["towel-roll"])
+    spec = load_spec_text(written, AROUND).spec
+    return Program(Source(written, AROUND), spec, whole, kind, (phase,), catalogue()[OBJECT])
 
 
 class _ProgramCheck:
-    def __init__(self, declarations: Declarations, complaints: Complaints, files: SpecFolder) -> None:
+    def __init__(
+        self,
+        declarations: Declarations,
+        complaints: Complaints,
+        files: SpecFolder,
+        controllers: Mapping[str, Definition],
+    ) -> None:
         self._declarations, self._complaints, self._files = declarations, complaints, files
         self._world = WORLDS.get(declarations.world or "")
         self.robot = self._robot()
         self._named(declarations.object_path, declarations.object, catalogue(), "object")
-        definitions = definitions_with(declarations.controllers, complaints)
+        definitions = definitions_with(declarations.controllers, complaints, controllers)
         table = ResourceTable(
             declarations.resources,
             self.robot,
@@ -284,12 +332,18 @@ class _ProgramCheck:
             found = self._hand_of_file(scene.hand)
             if found is None or mount is None:
                 return None
-            whole_robot = Robot(hand=found.hand, mount=mount, hand_model=found.model)
-            taken = tuple(taken_names(whole_robot))
-            self._tell(scene.hand, taken)
-            return None if taken else whole_robot
-        hand = self._named(("scene", "hand"), scene.hand, hands(), "hand")
-        return robot(scene.hand.text, scene.mount) if hand and scene.mount else None
+            return self._with_names_of_its_own(Robot(hand=found.hand, mount=mount), scene.hand)
+        if not self._named(("scene", "hand"), scene.hand, hands(), "hand") or scene.mount is None:
+            return None
+        known = robot(scene.hand.text, scene.mount)
+        ours = is_built_in(("hands", scene.hand.text)) and is_built_in(("mounts", scene.mount))
+        return known if ours else self._with_names_of_its_own(known, scene.hand)
+
+    def _with_names_of_its_own(self, whole: Robot, hand: SourceText) -> Robot | None:
+        """The robot, if no name of its hand is one of its mount's; complains otherwise."""
+        taken = tuple(taken_names(whole))
+        self._tell(hand, taken)
+        return None if taken else whole
 
     def _hand_of_file(self, name: SourceText) -> FoundHand | None:
         """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
@@ -310,9 +364,8 @@ class _ProgramCheck:
     def _tell(self, name: SourceText, faults: Iterable[Diagnostic]) -> None:
         """Report faults of a hand file where the spec names it, each with its place in the file."""
         self._complaints.about(("scene", "hand"))
-        for fault in faults:
-            place = name.text if fault.span is None else f"{name.text}:{fault.span.line}:{fault.span.column}"
-            self._complaints.add(replace(fault, message=f"{place}: {fault.message}", span=span_of(name)))
+        for fault in told_of(name.text, faults):
+            self._complaints.add(replace(fault, span=span_of(name)))
 
     def _named(self, path: Path, name: SourceText | None, known: Mapping[str, object], what: str) -> bool:
         if name is None or name.text in known:
@@ -321,7 +374,7 @@ class _ProgramCheck:
         document = self._declarations.document
         given = document is not None and document.origin(path) is not None
         hint = (file_hint(name.text, given) if what == "object" else None) or known_names_hint(
-            name.text, known, f"{what}s"
+            name.text, with_offered(f"{what}s", known), f"{what}s"
         )
         self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", span_of(name), hint)
         return False

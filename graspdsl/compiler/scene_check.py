@@ -6,19 +6,19 @@ from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declarations
 from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import Robot, hands
+from graspdsl.objects.object_files import FILES
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.quality.grade import Grade
 from graspdsl.quality.grades import GRADES
 from graspdsl.spec.models import Spec
-from graspdsl.spec.scene import FILES, InlineObject
+from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.sensing import Sensing
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
-EDGED = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
 START: Path = ("trials", "start")
 DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
@@ -113,7 +113,8 @@ class _Check:
     def _shape(self) -> None:
         thing = self._spec.scene.object
         path: Path = ("scene", "object")
-        kinds = [kind for kind in EDGED if self._document.has((*path, kind))]
+        edged = (*(name for name, kind in SHAPES.items() if kind.edged), *FILES)
+        kinds = [kind for kind in edged if self._document.has((*path, kind))]
         if self._thing is not None and self._document.has((*path, "like")):
             thing, path = self._thing.like or "", (*path, "like")
         if isinstance(thing, str):

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 from xml.etree import ElementTree
 
 import yaml
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
 from graspdsl.hands.fingertips import Angles, CapsuleTip, EllipsoidTip, FingertipShape, Place, SphereTip
 from graspdsl.places.fields import Count, Metres, Model, Number
@@ -71,12 +71,30 @@ class Contact(Model):
         return shape
 
 
-class Hand(Model):
+class Described(Model):
+    """A description file beside its URDF: one of this package, or of elsewhere, which then brings its model's text."""
+
+    urdf: str = Field("", max_length=1000)
+
+    _model: str = PrivateAttr("")
+
+    @property
+    def model(self) -> str:
+        """The text of its URDF, meshes named by where they are; empty for what has none."""
+        return self._model or (_model(self.urdf) if self.urdf else "")
+
+    def with_model(self, text: str) -> Self:
+        """The same, its URDF of this text."""
+        carrying = self.model_copy()
+        carrying._model = text
+        return carrying
+
+
+class Hand(Described):
     """A hand description file. Without a ``urdf`` it is bare contacts, for the floating world."""
 
     hand: Annotated[str, AfterValidator(folder_name)]
     about: str = Field("", max_length=1000)
-    urdf: str = Field("", max_length=1000)
     mjcf: str = Field("", max_length=1000)
     root: str = ""
     palm: str = ""
@@ -95,16 +113,16 @@ class Base(Model):
     rpy: Angles = (0.0, 0.0, 0.0)
 
 
-class Mount(Model):
+class Mount(Described):
     """A mount description file: what carries the hand.
 
     With a ``base`` it is an arm that stands there and reaches for the start pose. Without, its root stands wherever a
     trial starts, all its joints at zero.
     """
 
-    mount: str
-    about: str = ""
-    urdf: str
+    mount: Annotated[str, AfterValidator(folder_name)]
+    about: str = Field("", max_length=1000)
+    urdf: str = Field(min_length=1, max_length=1000)
     face: str
     base: Base | None = None
     joints: dict[str, Joint]
@@ -112,25 +130,20 @@ class Mount(Model):
 
 
 class Robot(Model):
-    """A hand on a mount: the joints of both in command order, mount first.
-
-    ``hand_model``: the text of the hand's URDF, where it is not one of this package.
-    """
+    """A hand on a mount: the joints of both in command order, mount first."""
 
     hand: Hand
     mount: Mount
-    hand_model: str = ""
 
     @property
     def has_model(self) -> bool:
         """Whether the hand is more than bare contacts."""
-        return bool(self.hand_model or self.hand.urdf)
+        return bool(self.hand.urdf)
 
     @property
     def models(self) -> tuple[str, ...]:
         """The texts of the URDFs of mount and hand; a hand of bare contacts has none."""
-        hand = self.hand_model or (_model(self.hand.urdf) if self.hand.urdf else "")
-        return tuple(filter(None, (_model(self.mount.urdf), hand)))
+        return tuple(filter(None, (self.mount.model, self.hand.model)))
 
     @property
     def joints(self) -> Mapping[str, Joint]:
@@ -171,26 +184,33 @@ def _catalogue(kind: str) -> Iterator[tuple[str, object]]:
 
 
 @cache
-def hands() -> Mapping[str, Hand]:
-    """The catalogue of hands, by name."""
+def hands() -> dict[str, Hand]:
+    """The catalogue of hands, by name; those of ``hands_in`` can be added to it."""
     return {name: Hand.model_validate(document) for name, document in _catalogue("hand")}
 
 
 @cache
-def mounts() -> Mapping[str, Mount]:
-    """The catalogue of mounts, by name."""
+def mounts() -> dict[str, Mount]:
+    """The catalogue of mounts, by name; those of ``mounts_in`` can be added to it."""
     return {name: Mount.model_validate(document) for name, document in _catalogue("mount")}
 
 
 def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Lower and upper limits [m or rad] of a robot's joints in command order, as its URDFs say."""
-    limits = {
-        joint.get("name", ""): joint.find("limit")
-        for model in robot.models
-        for joint in ElementTree.fromstring(model).iter("joint")
-    }
+    limits = {name: joint.find("limit") for name, joint in _joints_in(robot).items()}
     found = [limit for name in robot.joints if (limit := limits[name]) is not None]
     return tuple(float(f.get("lower", "0")) for f in found), tuple(float(f.get("upper", "0")) for f in found)
+
+
+def joint_units(robot: Robot) -> dict[str, str]:
+    """The units of a robot's joints in command order, as its URDFs say: m for a slide, else rad."""
+    slides = {name for name, joint in _joints_in(robot).items() if joint.get("type") == "prismatic"}
+    return {name: "m" if name in slides else "rad" for name in robot.joints}
+
+
+def _joints_in(robot: Robot) -> dict[str, ElementTree.Element]:
+    models = map(ElementTree.fromstring, robot.models)
+    return {joint.get("name", ""): joint for model in models for joint in model.iter("joint")}
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -53,6 +53,36 @@ class _Mover:
     carries: bool
 
 
+@dataclass(frozen=True, slots=True)
+class LinkMotion:
+    """A fingertip's link where some joints put it: origin (..., 3) [m] and rotation (..., 3, 3) in the frame of the
+    robot's root. ``axes``: the joints before it, each with its place and its axis (..., 3) there."""
+
+    origin: Array
+    rotation: Array
+    axes: tuple[tuple[_Mover, Array, Array], ...]
+    coupling: Array
+
+    def point(self, place: Array) -> Array:
+        """A point (..., 3) [m] that is fixed in the link at a place (3,)."""
+        return np.asarray(self.origin + self.rotation @ place)
+
+    def columns(self, place: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (..., 3, m) of such a point by all m joints that move, coupled ones too."""
+        point = self.point(place)
+        linear = np.zeros((*point.shape, len(self.coupling)))
+        angular = np.zeros_like(linear)
+        for mover, at, axis in self.axes:
+            linear[..., mover.row] = cross(axis, point - at) if mover.turns else axis
+            angular[..., mover.row] = axis if mover.turns else 0.0
+        return linear, angular
+
+    def jacobians(self, place: Array) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (..., 3, n) of such a point."""
+        linear, angular = self.columns(place)
+        return linear @ self.coupling, angular @ self.coupling
+
+
 class FingertipMotion:
     """The Jacobians of a robot's fingertips, by all joints that move, coupled ones too, and by those it drives."""
 
@@ -89,6 +119,29 @@ class FingertipMotion:
             turns = joint.get("type") in ROTATING
             yield _Mover(name, *pose_of(joint), axis / np.linalg.norm(axis), turns, self._rows.get(name), carries)
 
+    def _link(self, chain: Sequence[_Mover], places: Array) -> tuple[LinkMotion, tuple[Array, Array]]:
+        """The link at the end of a chain, all joints that move being at places (..., m), and the frame of the hand's
+        root, both in that of the robot's."""
+        origin: Array = np.zeros(3)
+        frame: Array = np.eye(3)
+        root, axes = (origin, frame), list[tuple[_Mover, Array, Array]]()
+        for mover in chain:
+            origin, frame = origin + frame @ mover.place, frame @ mover.rotation
+            if mover.row is not None:
+                axis, place = frame @ mover.axis, places[..., mover.row, None]
+                axes.append((mover, origin, axis))
+                if mover.turns:
+                    frame = frame @ exponential(place * mover.axis)
+                else:
+                    origin = origin + place * axis
+            if mover.carries:
+                root = origin, frame
+        return LinkMotion(origin, frame, tuple(axes), self._coupling), root
+
+    def links(self, joints: Array) -> list[LinkMotion]:
+        """The fingertips' links at joints (..., n), in the frame of the robot's root."""
+        return [self._link(chain, joints @ self._coupling.T)[0] for chain in self._chains]
+
     def _moved(self, joints: Array) -> tuple[Array, Array, Array]:
         """The fingertips' centres (..., k, 3) [m] at joints (..., n), in the frame of the hand's root, and their linear
         and angular Jacobians (..., k, 3, m) by all m joints that move, in that of the robot's."""
@@ -97,25 +150,10 @@ class FingertipMotion:
         linear = np.zeros((*centres.shape, places.shape[-1]))
         angular = np.zeros_like(linear)
         for tip, (contact, chain) in enumerate(zip(self._robot.hand.contacts.values(), self._chains, strict=True)):
-            origin: Array = np.zeros(3)
-            frame: Array = np.eye(3)
-            root, axes = (origin, frame), list[tuple[_Mover, Array, Array]]()
-            for mover in chain:
-                origin, frame = origin + frame @ mover.place, frame @ mover.rotation
-                if mover.row is not None:
-                    axis, place = frame @ mover.axis, places[..., mover.row, None]
-                    axes.append((mover, origin, axis))
-                    if mover.turns:
-                        frame = frame @ exponential(place * mover.axis)
-                    else:
-                        origin = origin + place * axis
-                if mover.carries:
-                    root = origin, frame
-            point = origin + frame @ np.array(contact.shape.centre)
-            centres[..., tip, :] = ((point - root[0])[..., None, :] @ root[1])[..., 0, :]
-            for mover, place, axis in axes:
-                linear[..., tip, :, mover.row] = cross(axis, point - place) if mover.turns else axis
-                angular[..., tip, :, mover.row] = axis if mover.turns else 0.0
+            link, (start, turned) = self._link(chain, places)
+            centre = np.array(contact.shape.centre)
+            centres[..., tip, :] = ((link.point(centre) - start)[..., None, :] @ turned)[..., 0, :]
+            linear[..., tip, :, :], angular[..., tip, :, :] = link.columns(centre)
         return centres, linear, angular
 
     def centres(self, joints: Array) -> Array:
@@ -129,11 +167,11 @@ class FingertipMotion:
 
     def reach(self) -> float:
         """The largest distance [m] of a fingertip's surface ahead of the palm's, as the fingers open and close."""
-        return float((self._path[..., 2] + self._radii).max()) - self._robot.hand.palm_surface
+        return float((self._path[..., 2] + self.radii).max()) - self._robot.hand.palm_surface
 
     def breadth(self) -> float:
         """The largest distance [m] of a fingertip's surface aside from the middle of the palm, as the fingers close."""
-        return float((np.linalg.norm(self._path[..., :2], axis=-1) + self._radii).max())
+        return float((np.linalg.norm(self._path[..., :2], axis=-1) + self.radii).max())
 
     def span(self) -> float:
         """A distance [m] from the hand's root beyond which no fingertip gets, whatever its joints: that of all links on
@@ -151,24 +189,24 @@ class FingertipMotion:
 
         (m, 2) [m]: the gap between their surfaces, and the least distance of their centres from the palm's surface.
         """
-        one, other = np.array(list(combinations(range(len(self._radii)), 2)), dtype=int).reshape(-1, 2).T
+        one, other = np.array(list(combinations(range(len(self.radii)), 2)), dtype=int).reshape(-1, 2).T
         apart = np.linalg.norm(self._path[:, one] - self._path[:, other], axis=-1)
-        gaps = apart - self._radii[one] - self._radii[other]
+        gaps = apart - self.radii[one] - self.radii[other]
         ahead = np.minimum(self._path[:, one, 2], self._path[:, other, 2]) - self._robot.hand.palm_surface
         return np.stack([gaps, ahead], axis=-1).reshape(-1, 2)
 
     @cached_property
     def _path(self) -> Array:
         """The fingertips' centres (FINE, k, 3) [m] as the fingers close."""
-        return self.centres(self._closing(FINE))
+        return self.centres(self.closing(FINE))
 
     @cached_property
-    def _radii(self) -> Array:
+    def radii(self) -> Array:
         """How far the surface of each fingertip is from its centre [m], at the least."""
         shapes = [contact.shape for contact in self._robot.hand.contacts.values()]
         return np.array([min(shape.semi_axes) if isinstance(shape, EllipsoidTip) else shape.radius for shape in shapes])
 
-    def _closing(self, count: int) -> Array:
+    def closing(self, count: int) -> Array:
         """Joints (count, n) on the way from the open to the closed posture, the mount's at zero."""
         opened, closed = self._posture("open"), self._posture("closed")
         return np.asarray(opened + np.linspace(0.0, 1.0, count)[:, None] * (closed - opened))
@@ -184,7 +222,7 @@ class FingertipMotion:
         the first that has no more ends it. None for a finger that does not close, or whose joints have no efforts.
         """
         motion, names = self._posture("closed") - self._posture("open"), list(self._robot.joints)
-        _, linear, _ = self._moved(self._closing(POSTURES))
+        _, linear, _ = self._moved(self.closing(POSTURES))
         return tuple(
             self._press(linear[:, tip], self._coupling @ np.where(np.isin(names, contact.finger), motion, 0.0))
             for tip, contact in enumerate(self._robot.hand.contacts.values())
@@ -216,7 +254,7 @@ class FingertipMotion:
         lower, upper = (np.array(limits) for limits in joint_limits(robot))
         shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
         for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
-            jacobian = self.jacobians(np.where(mount, arm, self._closing(POSTURES)))[turning] * weights
+            jacobian = self.jacobians(np.where(mount, arm, self.closing(POSTURES)))[turning] * weights
             stacked = jacobian.reshape(POSTURES, -1, len(weights))
             largest = max(largest, float(np.linalg.norm(stacked, 2, axis=(-2, -1)).max()))
             if largest > enough:

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from pathlib import Path
 
-from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, in_reading_order
 from graspdsl.hands.completion import completed
 from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_check import fingertip_complaints
 from graspdsl.hands.hand_check import faults
-from graspdsl.hands.mesh_check import mesh_corners
+from graspdsl.hands.model_meshes import meshes_of
 from graspdsl.hands.robot_model import FaultyModelError, RobotModel, robot_model
-from graspdsl.hands.urdf_check import undrawn
 from graspdsl.places.document import Document, parse_document
 from graspdsl.places.files import SIZE_LIMIT, SpecFolder, refusal, with_plain_line_ends
-from graspdsl.places.mesh_places import MeshPlaces
+from graspdsl.places.folders import SUFFIXES, descriptions_in, told_of
 from graspdsl.places.validation import validate_document
-
-SUFFIXES = (".yaml", ".yml")
 
 
 class HandFileError(Exception):
@@ -34,10 +30,9 @@ class HandFileError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class FoundHand:
-    """A hand that was read from a file, the text of its URDF, meshes named by where they are, and warnings."""
+    """A hand that was read from a file, with the text of its model, and warnings."""
 
     hand: Hand
-    model: str
     warnings: tuple[Diagnostic, ...] = ()
 
 
@@ -62,21 +57,31 @@ def hand_in(files: SpecFolder, name: str) -> FoundHand:
         raise HandFileError(name, text, error) from None
 
 
+def hands_in(place: Path) -> dict[str, Hand]:
+    """The hands in a file, or in every hand file of a folder, by name, each with the text of its model.
+
+    Raises DiagnosticError with the faults of the first file that has any, each told with its place in it.
+    """
+    return {hand.hand: hand for hand in map(_sound_hand, descriptions_in(place, "hand"))}
+
+
+def _sound_hand(path: Path) -> Hand:
+    try:
+        return hand_in(SpecFolder(path.parent), path.name).hand
+    except (DiagnosticError, HandFileError) as error:
+        raise DiagnosticError(told_of(path.name, error.diagnostics)) from None
+
+
 def _found(files: SpecFolder, name: str, document: Document) -> FoundHand:
     hand = validate_document(document, Hand)
     model, of_model = _model(files, name, hand, document)
-    places = MeshPlaces(files, _beside(name, hand.urdf))
-    meshes, of_meshes = _meshes(files, places, model.meshes)
-    drawn, of_drawn = _meshes(files, places, model.drawn)
-    complaints = [*of_meshes.values(), *model.warnings, *_undrawn(of_drawn)]
-    complaints = [*of_model, *(_placed(complaint, document) for complaint in complaints)]
+    meshes = meshes_of(files, _beside(name, hand.urdf), model)
+    complaints = [*of_model, *(_placed(complaint, document) for complaint in (*meshes.complaints, *model.warnings))]
     complaints += faults(hand, model, document)
-    corners = {mesh: found.corners for mesh, found in meshes.items()}
-    complaints += fingertip_complaints(hand, model, corners, document)
+    complaints += fingertip_complaints(hand, model, meshes.corners, document)
     if has_errors(complaints):
         raise DiagnosticError(in_reading_order(complaints))
-    filenames = {mesh: found.place for mesh, found in (meshes | drawn).items()}
-    return FoundHand(completed(hand, model), model.with_meshes(filenames), tuple(complaints))
+    return FoundHand(completed(hand, model).with_model(model.with_meshes(meshes.places)), tuple(complaints))
 
 
 def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> tuple[RobotModel, Sequence[Diagnostic]]:
@@ -97,36 +102,6 @@ def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> tupl
         return error.model, [_placed(fault, document) for fault in error.diagnostics]
     except DiagnosticError as error:
         raise DiagnosticError([_placed(fault, document) for fault in error.diagnostics]) from None
-
-
-class _FoundMesh(NamedTuple):
-    """Where a mesh is that the engine can take, and its corners (c, 3) in the units of its file."""
-
-    place: str
-    corners: Array
-
-
-def _meshes(
-    files: SpecFolder, places: MeshPlaces, names: Iterable[str]
-) -> tuple[dict[str, _FoundMesh], dict[str, Diagnostic]]:
-    """The meshes of a model, and the faults of those that the engine cannot take."""
-    found, faulty = dict[str, _FoundMesh](), dict[str, Diagnostic]()
-    for mesh in names:
-        try:
-            name = places.name(mesh)
-            corners = mesh_corners(mesh, files.read(name))
-            found[mesh] = _FoundMesh(str(files.place(name).resolve()), corners)
-        except DiagnosticError as error:
-            faulty[mesh] = error.diagnostics[0]
-    return found, faulty
-
-
-def _undrawn(faulty: Mapping[str, Diagnostic]) -> Iterable[Diagnostic]:
-    """A warning for each kind of fault in meshes that are only drawn."""
-    kinds = dict[str, Diagnostic]()
-    for fault in faulty.values():
-        kinds.setdefault(fault.code, undrawn(fault, "this mesh"))
-    return kinds.values()
 
 
 def _beside(name: str, other: str) -> str:

@@ -77,8 +77,8 @@ def _size(size: Sequence[float]) -> Extent:
 
 
 @cache
-def catalogue() -> Mapping[str, Body]:
-    """The objects that a spec can name."""
+def catalogue() -> dict[str, Body]:
+    """The objects that a spec can name; those of ``objects_in`` can be added to it."""
     entries = yaml.safe_load(Path(__file__).with_name("catalogue.yaml").read_text("utf-8"))
     return {
         name: Body(name, shape_from(entry), float(entry["mass"]), entry.get("about", ""))

@@ -31,7 +31,9 @@ class Superquadric(DescribedShape):
     upright: ClassVar = False
 
     size: Sizes = Field(description="full size along x, y and z (m), 0.005 to 2 each", examples=[[0.10, 0.12, 0.16]])
-    exponent: Number = Field(ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box")
+    exponent: Number = Field(
+        ge=2.0, le=10.0, description="exponent p (1), from 2, an ellipsoid, to 10, nearly a box", examples=[3.0]
+    )
 
     @property
     def extent(self) -> Extent:

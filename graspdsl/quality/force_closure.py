@@ -26,6 +26,9 @@ class ForceClosure:
     margin: float | None
     reason: str = ""
 
+    def __bool__(self) -> bool:
+        return self.closed
+
 
 def force_closure(space: WrenchSpace) -> ForceClosure:
     """Whether the origin lies strictly inside the convex hull of the primitive wrenches.

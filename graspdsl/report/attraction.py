@@ -77,7 +77,7 @@ def map_of_run(folder: RunFolder) -> AttractionMap:
     program, manifest = program_of_run(folder), folder.manifest
     cells = cells_of(program.spec, folder.records())
     settings = [setting for setting in manifest.settings if not setting.startswith("trials.grid=")]
-    command = repeating(folder.path / SPEC, cells, manifest.seed, settings)
+    command = repeating(folder.path / SPEC, cells, manifest.seed, settings, allow_code=folder.allow_code)
     return attraction_map(program, cells, manifest.seed, command)
 
 
@@ -87,12 +87,13 @@ def attraction_map(program: Program, cells: Cells, seed: int, command: str) -> A
     return AttractionMap(program.spec.name, program.spec.scene.world, seed, command, tick, cells, classes_of(cells))
 
 
-def repeating(spec: Path, cells: Cells, seed: int, settings: Sequence[str]) -> str:
+def repeating(spec: Path, cells: Cells, seed: int, settings: Sequence[str], *, allow_code: bool) -> str:
     """The command that makes a map again, from this spec with these settings."""
     words = ["graspdsl", "map", str(spec), "--over", f"{cells.x.said},{cells.y.said}"]
     words += ["--grid", f"{cells.x.cells}x{cells.y.cells}", "--seed", str(seed)]
     words += ["--contact", cells.fixed["contact"]] if "contact" in cells.fixed else []
     words += [word for name in settings if not name.startswith("trials.seed=") for word in ("--set", name)]
+    words += ["--allow-code"] if allow_code else []
     return shlex.join(words)
 
 

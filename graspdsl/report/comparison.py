@@ -91,8 +91,8 @@ class ComparedRun:
             "asked": one.asked,
             "finished": one.finished,
             "converged": one.count(Outcome.CONVERGED),
-            "share": one.converged,
-            "interval": one.converged_interval,
+            "share": one.converged.share,
+            "interval": one.converged.interval,
             "outcomes": {
                 entry.outcome: {"count": entry.count, "share": entry.share, "interval": entry.interval}
                 for entry in one.outcome_table

@@ -28,6 +28,13 @@ TURNS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, RIGHT_ANGLE)
 _BY_COLOUR = {colour: name for name, colour in LIGHT.items()}
 
 
+class Sheet(Figure):
+    """A figure that a notebook shows by itself, whether or not it has pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        return png_of(self)
+
+
 @dataclass(frozen=True)
 class Drawing:
     """A figure with its name, which is that of its files too, and its caption."""
@@ -53,7 +60,7 @@ class Drawing:
 
 def panels_of(height: float, ratios: Sequence[float], *, shared: bool = True) -> tuple[Figure, list[Axes]]:
     """A figure and its panels, one above the other over the same abscissa, or each over its own."""
-    figure = Figure((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
+    figure = Sheet((WIDTH, height), layout="constrained", facecolor=LIGHT["ground"])
     panels = list(
         figure.subplots(len(ratios), 1, sharex=shared, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
     )

@@ -46,9 +46,12 @@ class Evidence:
         return None if course is None else course.touching
 
 
-def evidence_of(folder: RunFolder) -> Evidence:
-    """The evidence in the folder of a run. Raises DiagnosticError when its records or its spec cannot be read."""
-    program, records = program_of_run(folder), tuple(folder.records())
+def evidence_of(folder: RunFolder, program: Program | None = None) -> Evidence:
+    """The evidence in the folder of a run; ``program``: that of the run, where it has been read already.
+
+    Raises DiagnosticError when its records or its spec cannot be read.
+    """
+    program, records = program or program_of_run(folder), tuple(folder.records())
     layout, contacts = Layout.of(program), [phase.grasp.contacts for phase in program.phases]
     courses = {}
     for record in records:

@@ -270,7 +270,9 @@ def starts_figure(draws: Sequence[Draws]) -> Figure:
 
 def _density(axes: Axes, values: Array, colour: str, label: str) -> None:
     axes.set_ylabel("density (1/rad)")
-    axes.set_title(f"{label}, {len(values)} trials", loc="left", fontsize=MEDIUM, color=LIGHT["ink"])
+    axes.set_title(
+        f"{label}, {counted(len(values), 'trial', 'trials')}", loc="left", fontsize=MEDIUM, color=LIGHT["ink"]
+    )
     if len(values):
         heights = density(values, ORIENTATIONS, bandwidth(values))
         axes.fill_between(ORIENTATIONS, heights, color=LIGHT[colour], alpha=0.16, linewidth=0)

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from graspdsl.arrays import Array
 from graspdsl.report.attraction import FILES, AttractionMap, CellClass, as_data
-from graspdsl.report.drawing import MEDIUM, SMALL, png_of, svg_of
+from graspdsl.report.drawing import MEDIUM, SMALL, Sheet, png_of, svg_of
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.wording import counted, percent
 from graspdsl.spec.outcomes import STROKES
@@ -42,7 +42,7 @@ def map_figure(made: AttractionMap) -> Figure:
     count = 2 if some else 1
     heading = textwrap.wrap(_heading(made), 68 * count)
     height = SIDE + 0.9 + LINE * (len(made.classes) + 2 + len(heading))
-    figure = Figure((WIDTH * count, height), layout="constrained", facecolor=LIGHT["ground"])
+    figure = Sheet((WIDTH * count, height), layout="constrained", facecolor=LIGHT["ground"])
     figure.suptitle("\n".join(heading), x=0.01, ha="left", fontsize=SMALL, color=LIGHT["muted"], parse_math=False)
     panels = list(figure.subplots(1, count, squeeze=False)[0])
     for axes in panels:

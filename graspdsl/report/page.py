@@ -97,7 +97,7 @@ def page(
         phases=[phase.label for phase in evidence.program.phases],
         setting=setting(evidence),
         verdict=verdict(summary),
-        conditions=conditions(summary.converged_means),
+        conditions=conditions(summary.converged.means),
         notes=notes(evidence, summary),
         left_out=left_out(evidence),
         claims=claims_table(claims),

@@ -59,8 +59,7 @@ def _asked(trials: Trials, records: Sequence[TrialRecord]) -> list[tuple[str, st
     """The numbers of a start that differ from trial to trial, their units and their quantiles as asked for."""
     start, gridded = trials.start, {axis.parameter for axis in trials.grid or ()}
     asked: list[tuple[str, str, tuple[float, ...] | None]] = []
-    for name in PARAMETERS:
-        unit = "rad" if name in ("roll", "yaw", "tilt") else "m"
+    for name, unit in PARAMETERS.items():
         if name in gridded:
             asked.append((name, unit, _quantiles([getattr(trials.start_of(r.number), name) for r in records])))
         elif (quantiles := _quantiles_of(getattr(start, name))) is not None:

@@ -52,6 +52,16 @@ class Medians:
 
 
 @dataclass(frozen=True, slots=True)
+class Converged:
+    """The share of finished trials that converged, None of none, its Wilson interval of 95 %, and what that means: the
+    end conditions of the last phase."""
+
+    share: Ratio
+    interval: Shares
+    means: Until
+
+
+@dataclass(frozen=True, slots=True)
 class ModeSummary:
     """A mode of the end orientations of trials whose contacts all touched: its peak and range, its share ``of`` so
     many trials with an interval, the medians over its trials, and these by number."""
@@ -89,9 +99,7 @@ class Summary:
     finished: Annotated[int, At("trials.finished")]
     different: Annotated[int, At("trials.different")]
     outcomes: Mapping[str, int]
-    converged: Annotated[Ratio, At("converged.share")]
-    converged_interval: Annotated[Shares, At("converged.interval")]
-    converged_means: Annotated[Until, At("converged.means")]
+    converged: Converged
     outcome_table: tuple[OutcomeCount, ...]
     in_contact_start: Annotated[tuple[bool, ...], At("in_contact.start")]
     in_contact_end: Annotated[tuple[bool | None, ...], At("in_contact.end")]
@@ -160,9 +168,9 @@ def summarised(evidence: Evidence) -> Summary:
         finished=len(records),
         different=int(min(len(records), evidence.program.different_trials)),
         outcomes=dict(Counter(record.outcome.value for record in records).most_common()),
-        converged=len(good) / len(records) if records else None,
-        converged_interval=wilson(len(good), len(records)),
-        converged_means=spec.program[-1].until,
+        converged=Converged(
+            len(good) / len(records) if records else None, wilson(len(good), len(records)), spec.program[-1].until
+        ),
         outcome_table=tuple(outcome_table(records)),
         in_contact_start=tuple(record.samples > 0 for record in records),
         in_contact_end=tuple(evidence.touching(record) for record in records),
@@ -196,7 +204,7 @@ def summarised(evidence: Evidence) -> Summary:
         wall_s=manifest.wall_s,
         world_s=sum(record.world_s for record in records),
         records=records,
-        versions=dict(manifest.versions),
+        versions=manifest.made_with,
         command=repeating(folder),
     )
 
@@ -207,6 +215,7 @@ def repeating(folder: RunFolder) -> str:
     words = ["graspdsl", "run", str(folder.path / SPEC)]
     words += [word for setting in manifest.settings for word in ("--set", setting)]
     words += ["--trials", str(manifest.asked), "--seed", str(manifest.seed)]
+    words += ["--allow-code"] if folder.allow_code else []
     return shlex.join(words)
 
 

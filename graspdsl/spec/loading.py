@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.places.document import Document, Path, parse_with_faults
 from graspdsl.places.validation import alternatives, validation_faults, with_known_keys
+from graspdsl.spec.growing import adapter
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
 
@@ -40,15 +40,33 @@ class Reading:
         return not any(path[:1] == (section,) for path in self.unread for section in sections)
 
 
-def read_spec(text: str, name: str, overrides: Sequence[str] = (), known: Known = ANYTHING) -> Reading:
-    """The reading of a text that messages call ``name``, with ``overrides`` (``"scene.friction=0.6"``) in place of what
-    it says. ``known``: the worlds, mounts and grades that it may name; any, where none are given.
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What a text says: its document (overrides applied), all faults of that, and the paths of what is unreadable."""
 
-    Raises :class:`DiagnosticError` when there is no reading the text at all.
-    """
-    document, reading_faults = parse_with_faults(text, name)
-    document, faults = apply_overrides(document, overrides)
-    faults += [fault for _, fault in reading_faults]
+    document: Document
+    faults: tuple[Diagnostic, ...]
+    unreadable: frozenset[Path]
+
+
+def read_document(text: str, name: str, overrides: Sequence[str] = ()) -> Written:
+    """What a text says that messages call ``name``, with ``overrides`` (``"scene.friction=0.6"``) in place of what it
+    says itself. Raises :class:`DiagnosticError` when there is no reading it at all."""
+    document, faults = parse_with_faults(text, name)
+    document, refused = apply_overrides(document, overrides)
+    unreadable = frozenset(path for path, _ in faults if path is not None)
+    return Written(document, (*refused, *(fault for _, fault in faults)), unreadable)
+
+
+def read_spec(text: str, name: str, overrides: Sequence[str] = (), known: Known = ANYTHING) -> Reading:
+    """The reading of a text, as of :func:`read_document` and :func:`spec_of`."""
+    return spec_of(read_document(text, name, overrides), known)
+
+
+def spec_of(written: Written, known: Known = ANYTHING) -> Reading:
+    """The reading of what is written; ``known``: the worlds, mounts and grades that it may name, any where none are
+    given."""
+    document, faults = written.document, list(written.faults)
     try:
         return Reading(document, Spec.model_validate(document.data, context=known), tuple(faults))
     except ValidationError:
@@ -59,7 +77,7 @@ def read_spec(text: str, name: str, overrides: Sequence[str] = (), known: Known 
     except ValidationError as error:
         found = validation_faults(error, document, Spec)
     # What could not be read has had its complaint; what follows from it needs none.
-    unread = {path for path, _ in reading_faults if path is not None}
+    unread = written.unreadable
     faults += [fault for path, fault in found if not any(path[:n] in unread for n in range(1, len(path) + 1))]
     return Reading(document, _best(Spec, document.data, known), tuple(faults), frozenset(path for path, _ in found))
 
@@ -73,7 +91,7 @@ def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Readi
 
 
 def json_schema(known: Known = ANYTHING) -> dict[str, Any]:
-    """The JSON Schema of a spec, for editors; ``known`` as for :func:`read_spec`."""
+    """The JSON Schema of a spec, for editors; ``known`` as for :func:`spec_of`."""
     schema = Spec.model_json_schema(by_alias=True)
     scene, grade = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]["items"]
     for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grade)):
@@ -98,14 +116,9 @@ def _best(model: type[M], data: object, known: Known) -> M:
     return model.model_construct(**values)
 
 
-@cache
-def _adapter(annotation: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(annotation)
-
-
 def _value(annotation: Any, value: object, known: Known) -> Any:
     try:
-        return _adapter(annotation).validate_python(value, context=known)
+        return adapter(annotation).validate_python(value, context=known)
     except ValidationError:
         return _rest(annotation, value, known)
 

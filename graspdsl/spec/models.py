@@ -94,6 +94,12 @@ class Spec(Model):
         description="the phases of a trial, in their order",
         examples=[[{"run": "π_close|Γ Γ", "until": {"contact": "all"}}]],
     )
+    code: tuple[Annotated[str, Field(min_length=1, max_length=1000)], ...] = Field(
+        default=(),
+        description="Python files beside the spec with potentials, grades and the like of your own; read only with "
+        "--allow-code",
+        examples=[["my_potential.py"]],
+    )
     control: Control = Field(default=Control(), description="how gradients become motion")
     monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
     evaluate: tuple[Annotated[str, name_in("grades")], ...] = Field(

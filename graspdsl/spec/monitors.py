@@ -10,10 +10,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import BaseModel, Field, create_model, model_validator
+from pydantic.fields import FieldInfo
 
 from graspdsl.arrays import Flags, Rows
 from graspdsl.places.fields import Count, Model, Number, Seconds, form, forms
+from graspdsl.spec.growing import Growing, grow
 from graspdsl.spec.outcomes import DOTS, LEVEL, Outcome
 from graspdsl.spec.watching import (
     AT_ONCE,
@@ -163,7 +165,7 @@ class LeanMonitor(Beyond):
     bound_type, default = Angle, 0.35
     outcome = Outcome.TOPPLED
     needs = ("motion", "upright")
-    of_a_free_object = True
+    of_a_free_object = of_the_truth = True
     quantity, said = "lean", "the object leant {:.2f} rad"
 
 
@@ -175,7 +177,7 @@ class ShiftMonitor(Beyond):
     bound_type, default = Distance, 0.10
     outcome = Outcome("diverged", "the object was moved away", "#23292f")
     needs = ("motion",)
-    of_a_free_object = True
+    of_a_free_object = of_the_truth = True
     quantity, said, scale = "shift", "the object was moved {:.0f} mm", 1000.0
 
 
@@ -187,7 +189,7 @@ class DraggedMonitor(Beyond):
     bound_type, default = Distance, 0.02
     outcome = Outcome("dragged", "the end conditions held, but the object had been dragged", "#c9ced4", LEVEL)
     needs = ("motion",)
-    of_a_free_object = True
+    of_a_free_object = of_the_truth = True
     when = When.END
     quantity, said, scale = "shift", "a low residual, but the object was dragged {:.0f} mm", 1000.0
 
@@ -284,7 +286,7 @@ class ProgressMonitor(Monitor):
         return f"no phase that waits for a residual lasts for two windows of {bound.window:g} s"
 
 
-MONITORS: Mapping[str, type[Monitor]] = {
+MONITORS: dict[str, type[Monitor]] = {
     monitor.key: monitor
     for monitor in (
         PalmMonitor,
@@ -298,7 +300,7 @@ MONITORS: Mapping[str, type[Monitor]] = {
         ProgressMonitor,
     )
 }
-OUTCOMES: Mapping[str, Outcome] = {
+OUTCOMES: dict[str, Outcome] = {
     outcome.value: outcome
     for outcome in (
         Outcome.CONVERGED,
@@ -312,12 +314,13 @@ OUTCOMES: Mapping[str, Outcome] = {
 Lines = TypeVar("Lines", bound=Model)
 
 
+def _line(monitor: type[Monitor], default: Any) -> Any:
+    return Field(default=default, description=monitor.description)
+
+
 def _with_lines(table: Mapping[str, type[Monitor]]) -> Callable[[type[Lines]], type[Lines]]:
     """Gives a model the lines of a table."""
-    fields: dict[str, Any] = {
-        key: (monitor.bound_type, Field(default=monitor.default, description=monitor.description))
-        for key, monitor in table.items()
-    }
+    fields: dict[str, Any] = {key: (kind.bound_type, _line(kind, kind.default)) for key, kind in table.items()}
 
     def fill(model: type[Lines]) -> type[Lines]:
         return create_model(
@@ -333,14 +336,13 @@ def _meant(monitor: type[Monitor], word: str | bool) -> Any:
 
 
 @_with_lines(MONITORS)
-class MonitorBounds(Model):
+class MonitorBounds(Growing):
     """The monitors. A time is how long something may last: 0, or stop, ends the trial at once; off never does."""
 
-    meant_by: ClassVar = {
-        monitor.outcome.value: f"the monitor of {monitor.outcome.value} is {key}"
-        for key, monitor in MONITORS.items()
-        if monitor.outcome.value != key
-    }
+    later: ClassVar = set()
+    silent: ClassVar = OFF
+
+    meant_by: ClassVar[dict[str, str]] = {}
 
     @model_validator(mode="before")
     @classmethod
@@ -360,5 +362,28 @@ class MonitorBounds(Model):
 
     def watches(self, setting: Setting) -> list[Monitor]:
         """The monitors that are not off, over N trials."""
-        bounds = {key: getattr(self, key) for key in MONITORS}
+        bounds = {key: self.given(key) for key in MONITORS}
         return [MONITORS[key](bound, setting) for key, bound in bounds.items() if bound != OFF]
+
+
+def _tell_meaning(monitor: type[Monitor]) -> None:
+    name = monitor.outcome.value
+    if name != monitor.key:
+        MonitorBounds.meant_by[name] = f"the monitor of {name} is {monitor.key}"
+
+
+for _monitor in MONITORS.values():
+    _tell_meaning(_monitor)
+
+
+def add_monitor(monitor: type[Monitor], around: Sequence[type[BaseModel]]) -> None:
+    """Enter a monitor into the table, its line into the models, the inner first, that are ``around`` the bounds.
+
+    It is off unless a spec names it, so that the trials of no other spec depend on it.
+    """
+    field = FieldInfo.from_annotated_attribute(monitor.bound_type, _line(monitor, OFF))
+    grow({(MonitorBounds, monitor.key): field}, around)
+    MonitorBounds.later.add(monitor.key)
+    MONITORS[monitor.key] = monitor
+    OUTCOMES[monitor.outcome.value] = monitor.outcome
+    _tell_meaning(monitor)

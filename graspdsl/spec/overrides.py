@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.objects.object_files import FILES
 from graspdsl.objects.shapes import SHAPES
 from graspdsl.places.document import Document, Path, parse_value
 from graspdsl.places.files import SIZE_LIMIT
 from graspdsl.places.positions import Lines
 from graspdsl.places.wording import Data, shortened, shown
-from graspdsl.spec.scene import FILES, InlineObject
+from graspdsl.spec.scene import InlineObject
 
 _OF_ANY_OBJECT = InlineObject.model_fields.keys() - {*SHAPES, *FILES, "like"}
 

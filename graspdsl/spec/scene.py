@@ -2,59 +2,43 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import Field, create_model, model_validator
+from pydantic import BaseModel, Field, create_model, model_validator
+from pydantic.fields import FieldInfo
 
+from graspdsl.objects.object_files import FILES, FilePath, Mass, Mesh
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES
-from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms, name_in
+from graspdsl.places.fields import Model, Number, fault, form, forms, name_in
+from graspdsl.spec.growing import Growing, grow
 from graspdsl.spec.sensing import SensingChoice
 
-FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
 
-
-class Mesh(Model):
-    """A file of triangles."""
-
-    file: FilePath = Field(
-        description="an STL or OBJ file; a relative path starts at the folder of the spec and stays in it",
-        examples=["part.stl"],
-    )
-    scale: Number = Field(
-        default=1.0, gt=0.0, le=1e6, description="what a length in the file is in m: 0.001 for millimetres"
-    )
-    convex: Literal["hull", "decomposition"] | None = Field(
-        default=None,
-        description="what collides, the convex hull or convex parts; by default the parts where the hull is 5 % larger",
-    )
-    density: Number | None = Field(
-        default=None, gt=0.0, le=30000.0, description="density (kg/m³), instead of a mass of the object"
-    )
-
-
-FILES = ("mesh", "urdf")
-
-
-class _Described(Model):
+class _Described(Growing):
     name: str | None = Field(default=None, min_length=1, max_length=60, description="what reports call the object")
-    mass: Kilograms | None = Field(
-        default=None, gt=0.0, le=100.0, description="mass (kg), above 0; by default 0.5, or the catalogue's"
-    )
+    mass: Mass | None = Field(default=None, description="mass (kg), above 0; by default 0.5, or the catalogue's")
     held: bool = Field(default=False, strict=True, description="whether it is fixed to the hand when a trial starts")
     fixed: bool = Field(default=False, strict=True, description="whether it is fixed to the world")
     like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
 
 
+def _key(kind: type[DescribedShape]) -> Any:
+    return Field(default=None, description=kind.about)
+
+
 if TYPE_CHECKING:
     _Shaped = _Described
 else:  # with a key for each shape of the table
-    _keys = {name: (kind | None, Field(default=None, description=kind.about)) for name, kind in SHAPES.items()}
+    _keys = {name: (kind | None, _key(kind)) for name, kind in SHAPES.items()}
     _Shaped = create_model("_Shaped", __base__=_Described, **_keys)
 
 
 class InlineObject(_Shaped):
     """An object described in the spec itself: exactly one shape or a catalogue name, and what is special about it."""
+
+    later: ClassVar = set()
 
     mesh: Mesh | None = Field(default=None, description="a file of triangles, placed by its bounding box")
     urdf: FilePath | None = Field(
@@ -65,7 +49,7 @@ class InlineObject(_Shaped):
 
     @model_validator(mode="after")
     def _one_shape(self) -> InlineObject:
-        shapes = [name for name in ("like", *SHAPES, *FILES) if getattr(self, name) is not None]
+        shapes = [name for name in ("like", *SHAPES, *FILES) if self.given(name) is not None]
         if len(shapes) != 1:
             found = " and ".join(shapes) or "none"
             hint = "for example {cylinder: {diameter: 0.10, height: 0.20}, mass: 0.5}"
@@ -80,7 +64,7 @@ class InlineObject(_Shaped):
     @property
     def shape(self) -> DescribedShape | None:
         """The one shape there is; None for one of the catalogue or of a file."""
-        return next((shape for name in SHAPES if (shape := getattr(self, name)) is not None), None)
+        return next((shape for name in SHAPES if (shape := self.given(name)) is not None), None)
 
 
 def _object_form(value: Any) -> str | None:
@@ -121,3 +105,12 @@ class Scene(Model):
     def held(self) -> bool:
         """Whether the object is fixed to the hand."""
         return isinstance(self.object, InlineObject) and self.object.held
+
+
+def add_shape(shape: type[DescribedShape], around: Sequence[type[BaseModel]]) -> None:
+    """Enter a shape into the table, and its key into the models, those ``around`` a scene the inner first."""
+    optional: Any = shape | None
+    field = FieldInfo.from_annotated_attribute(optional, _key(shape))
+    grow({(InlineObject, shape.name): field}, (Scene, *around))
+    InlineObject.later.add(shape.name)
+    SHAPES[shape.name] = shape

@@ -10,13 +10,17 @@ otherwise.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, create_model, model_validator
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic.fields import FieldInfo
 
 from graspdsl.diagnostics import listed
 from graspdsl.places.fields import Metres, Model, Number, Seconds, Unit, fault, form, forms
 from graspdsl.places.wording import as_yaml
+from graspdsl.spec.growing import Growing, Place, grow
 
 Newtons = Annotated[Number, Unit("N"), Field(ge=0.0, le=100.0)]
 NewtonMetres = Annotated[Number, Unit("N·m"), Field(ge=0.0, le=10.0)]
@@ -284,25 +288,25 @@ def _field_of(name: str) -> str:
     return name.replace("-", "_")
 
 
+def _key(name: str, kind: type[TactileSensor]) -> Any:
+    return Field(default=None, alias=name, description=kind.about)
+
+
 if TYPE_CHECKING:
-    _Sensed = Model
-    SensorName = str
+    _Sensed = Growing
 else:  # with a key for each sensor of the table
-    _keys = {
-        _field_of(name): (kind | None, Field(default=None, alias=name, description=kind.about))
-        for name, kind in SENSORS.items()
-    }
-    _Sensed = create_model("_Sensed", __base__=Model, **_keys)
-    SensorName = Literal[*SENSORS]
+    _keys = {_field_of(name): (kind | None, _key(name, kind)) for name, kind in SENSORS.items()}
+    _Sensed = create_model("_Sensed", __base__=Growing, **_keys)
 
 
 class Sensing(_Sensed):
     """Exactly one sensor with its parameters."""
 
     model_config = ConfigDict(serialize_by_alias=True, json_schema_extra={"minProperties": 1, "maxProperties": 1})
+    later: ClassVar = set()
 
     def _chosen(self) -> dict[str, TactileSensor]:
-        sensors = {name: getattr(self, _field_of(name)) for name in SENSORS}
+        sensors = {name: self.given(_field_of(name)) for name in SENSORS}
         return {name: sensor for name, sensor in sensors.items() if sensor is not None}
 
     @model_validator(mode="after")
@@ -326,10 +330,30 @@ def _form_of(value: Any) -> str | None:
     return "parameters" if isinstance(value, dict | Sensing) else None
 
 
-SensingChoice = Annotated[
-    Annotated[SensorName, form("name")] | Annotated[Sensing, form("parameters")],
-    forms(f"{listed(SENSORS, 'or')}, or one with parameters: {{load-cell: {{force_noise: 0.02}}}}", _form_of),
-]
+def _choice(names: Iterable[str]) -> Any:
+    expected = f"{listed(names, 'or')}, or one with parameters: {{load-cell: {{force_noise: 0.02}}}}"
+    return Annotated[
+        Annotated[Literal[*names], form("name")] | Annotated[Sensing, form("parameters")], forms(expected, _form_of)
+    ]
+
+
+if TYPE_CHECKING:
+    SensingChoice = str | Sensing
+else:
+    SensingChoice = _choice(SENSORS)
+
+
+def add_sensor(name: str, kind: type[TactileSensor], chosen: Place, around: Sequence[type[BaseModel]]) -> None:
+    """Enter the model of a sensor into the table and the models: ``chosen`` is the field of a :data:`SensingChoice`,
+    ``around`` are the models around it, the inner first."""
+    model, field = chosen
+    choice = copy(model.model_fields[field])
+    choice.annotation = _choice([*SENSORS, name]) | None
+    optional: Any = kind | None
+    key = FieldInfo.from_annotated_attribute(optional, _key(name, kind))
+    grow({(Sensing, _field_of(name)): key, chosen: choice}, around)
+    Sensing.later.add(name)
+    SENSORS[name] = kind
 
 
 def sensor_of(choice: str | Sensing) -> TactileSensor:

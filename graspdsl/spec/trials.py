@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError, model_validator
@@ -13,7 +13,14 @@ from graspdsl.places.fields import Count, Model, Number, fault
 from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length, outcomes_of
 
 MOST_TRIALS = 100_000
-PARAMETERS = ("roll", "height", "standoff", "yaw", "offset", "tilt")
+PARAMETERS: Mapping[str, str] = {  # the numbers of a start, with their units
+    "roll": "rad",
+    "height": "m",
+    "standoff": "m",
+    "yaw": "rad",
+    "offset": "m",
+    "tilt": "rad",
+}
 FARTHEST = 10.0  # m or rad, wider than any bound of a start
 
 End = Annotated[Number, Field(ge=-FARTHEST, le=FARTHEST)]

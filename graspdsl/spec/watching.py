@@ -128,7 +128,8 @@ class Monitor(ABC):
 
     ``bound_type`` and ``default``: of the line; ``words``: what may be written in place of a value, besides on and off.
     ``needs``: what a scene must have, or the monitor is idle. One ``of_a_free_object`` is off for a held object unless
-    the spec asks for it: that is meant to touch the hand, to move and to lean. Where several speak at the same tick,
+    the spec asks for it: that is meant to touch the hand, to move and to lean. One ``of_the_truth`` watches what a hand
+    does not sense: links that touch, and how the object moves and leans. Where several speak at the same tick,
     the one of the least ``turn`` is heard, then the first in the table.
     """
 
@@ -140,6 +141,7 @@ class Monitor(ABC):
     words: ClassVar[Mapping[str | bool, Any]] = {}
     needs: ClassVar[tuple[Need, ...]] = ()
     of_a_free_object: ClassVar[bool] = False
+    of_the_truth: ClassVar[bool] = False
     when: ClassVar[When] = When.TICK
     turn: ClassVar[int] = 0
 
@@ -221,6 +223,7 @@ class TouchMonitor(Lasting):
     """Links that press on what they should not."""
 
     touched: ClassVar[str]
+    of_the_truth = True
 
     @abstractmethod
     def who(self, sight: Sight, place: int) -> Sequence[str]:

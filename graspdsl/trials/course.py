@@ -1,7 +1,7 @@
 """What a trial is, from its first observation to its outcome: phases, stages, end conditions, monitors, time limits.
 
-It is written once, for N trials that begin together in a world that runs them side by side. What becomes of a trial
-does not depend on those beside it, to the last bit.
+It is written once, for N trials that begin together and are seen side by side, in a world or by a hand of one's own.
+What becomes of a trial does not depend on those beside it, to the last bit.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from graspdsl.worlds.protocol import (
     Witness,
     WitnessedWorld,
     WorldCrashError,
+    WorldInfo,
 )
 
 ROUNDING = 1e-9  # s
@@ -95,25 +96,44 @@ def loosened(until: Until, factor: float) -> Until:
     return until.model_copy(update=scaled)
 
 
-class Course:
-    """N trials of a program on their way, in a world in which they have taken up their starts.
+@dataclass(frozen=True, slots=True)
+class Turns:
+    """One tick of M trials: ``command`` of the controllers of their stages; ``endings`` of those that end, by their
+    places among the M; ``made``: what each controller made of what it saw, and of which of the M, in turn."""
 
-    ``log`` holds their numbers, ``wall_s`` (N,) the time [s] spent on each: of a tick of several trials, equal shares.
-    Raises WorldCrashError where the world does at its first look.
+    command: Command
+    endings: Mapping[int, Ending]
+    made: Sequence[tuple[Rows, Ticks]]
+
+
+class Course:
+    """N trials of a program on their way, whoever carries out what they are commanded.
+
+    ``trials``: those that still run, in the order of the rows in which they are seen. ``log`` holds their numbers,
+    ``wall_s`` (N,) the time [s] spent on each in a world: of a tick of several trials, equal shares.
     """
 
     def __init__(
-        self, program: Program, stages: Sequence[Stage], world: ManyWorld, *, trajectories: bool = True
+        self,
+        program: Program,
+        stages: Sequence[Stage],
+        info: WorldInfo,
+        seen: Observation,
+        truth: Truth,
+        *,
+        trajectories: bool = True,
     ) -> None:
-        self._stages, self._world = stages, world
-        self._seen, truth = world.observe(), world.truth()
-        info, count = world.info, len(self._seen.joints)
+        """seen, truth: of all trials as they begin."""
+        self._stages, self._info, self._seen = stages, info, seen
+        count = len(seen.joints)
         levels = max(len(stage.pipeline.leaks) for stage in stages)
         grasps = [phase.grasp for phase in program.phases]
+        self.trials = np.arange(count)
         self.log = Logbook(grasps, truth.object_position, levels, trajectories=trajectories)
         self.wall_s = np.zeros(count)
+        self._number = 0
         self._at = np.zeros(count, dtype=np.intp)
-        self._deadline = np.full(count, self._seen.time + stages[0].limit)
+        self._deadline = np.full(count, seen.time + stages[0].limit)
         self._touched = np.full(count, stages[0].until.contact is None)
         self._held_from = np.full(count, np.nan)
         self._monitors = program.monitors.watches(
@@ -123,7 +143,7 @@ class Course:
                 palm=program.robot.hand.palm,
                 lower=info.lower,
                 upper=info.upper,
-                began=self._seen.joints,
+                began=seen.joints,
                 curvature_radius=program.spec.control.curvature_radius,
                 probes=program.probes,
                 rate=info.rate,
@@ -134,52 +154,58 @@ class Course:
             for when in When
         }
 
-    def run(self) -> Iterator[tuple[int, Ending, Witness | None]]:
-        """Each trial as it ends: its place among the N, its ending, and who knows what its grasp is like then; nobody
-        does where the world failed."""
-        trials = np.arange(len(self._at))  # those that still run, a row of the world each
+    def run(self, world: ManyWorld) -> Iterator[tuple[int, Ending, Witness | None]]:
+        """Run all in the world in which they have taken up their starts. Each comes as it ends: its place among the N,
+        its ending, and who knows what its grasp is like then; nobody does where the world failed."""
+        seen = self._seen
         command: Command | None = None
-        tick = 0
-        while len(trials):
+        endings: Mapping[int, Ending]
+        while len(self.trials):
             began, truth = time.perf_counter(), None
             try:
                 if command is not None:
-                    self._seen = self._world.step(command)
-                truth = self._world.truth()
-                command, endings = self._tick(tick, trials, truth)
+                    seen = world.step(command)
+                truth = world.truth()
+                turns = self.tick(seen, truth)
+                command, endings = turns.command, turns.endings
             except WorldCrashError as error:
-                endings = dict.fromkeys(range(len(trials)), Ending(Outcome.CRASHED, str(error)))
-            self.wall_s[trials] += (time.perf_counter() - began) / len(trials)
+                endings = dict.fromkeys(range(len(self.trials)), Ending(Outcome.CRASHED, str(error)))
+            self.wall_s[self.trials] += (time.perf_counter() - began) / len(self.trials)
             for row, ending in sorted(endings.items()):
-                yield int(trials[row]), ending, None if truth is None else _witness(self._world, truth, row)
+                yield int(self.trials[row]), ending, None if truth is None else _witness(world, truth, row)
             if endings:
-                going = np.setdiff1d(np.arange(len(trials)), list(endings))
-                trials = trials[going]
-                self._world.keep(going)
+                going = np.setdiff1d(np.arange(len(self.trials)), list(endings))
+                self.trials = self.trials[going]
+                world.keep(going)
                 command = command and Command(command.space, command.displacement[going])
-            tick += 1
 
-    def _tick(self, tick: int, trials: Rows, truth: Truth) -> tuple[Command | None, dict[int, Ending]]:
-        """What the controllers command all trials, and which trials end, by rows of the world.
+    def tick(self, seen: Observation, truth: Truth) -> Turns:
+        """The next tick of the trials that still run.
 
         A trial that begins another stage is looked at again, by the controller of that one, at the same tick.
         """
-        endings: dict[int, Ending] = {}
-        command: Command | None = None
+        trials, endings, made = self.trials, dict[int, Ending](), list[tuple[Rows, Ticks]]()
+        command = Command("", np.zeros(0))
         due = np.arange(len(trials))
         while len(due):
             at, due_next = self._at[trials[due]], []
             for number in np.unique(at):
                 rows, stage = due[at == number], self._stages[number]
-                seen, true = of_rows(self._seen, rows, len(trials)), of_rows(truth, rows, len(trials))
-                ticks, ended, moved = self._look(stage, tick, trials[rows], seen, true)
+                chosen, true = of_rows(seen, rows, len(trials)), of_rows(truth, rows, len(trials))
+                ticks, ended, moved = self._look(stage, self._number, trials[rows], chosen, true)
                 endings |= {int(rows[place]): ending for place, ending in ended.items()}
-                if command is None or command.space != stage.pipeline.space:
+                if command.space != stage.pipeline.space:
                     command = Command(stage.pipeline.space, np.zeros((len(trials), *ticks.displacement.shape[1:])))
                 command.displacement[rows] = ticks.displacement
+                made.append((rows, ticks))
                 due_next.append(rows[moved])
             due = np.sort(np.concatenate(due_next))
-        return command, endings
+        self._number += 1
+        return Turns(command, endings, made)
+
+    def stage(self, trial: int) -> Stage:
+        """The one that a trial is in."""
+        return self._stages[int(self._at[trial])]
 
     def _look(
         self, stage: Stage, tick: int, trials: Rows, seen: Observation, truth: Truth
@@ -199,7 +225,7 @@ class Course:
             """What keeps a trial from the end of the stage: conditions that do not hold, or how long all have."""
             if met[place]:
                 return f"the end conditions held for {held[place]:.1f} s of {stage.until.hold:g} s"
-            away = [self._world.info.contacts[contact] for contact in contacts if not seen.touching[place, contact]]
+            away = [self._info.contacts[contact] for contact in contacts if not seen.touching[place, contact]]
             return unmet(stage.until, of_rows(ticks, np.array([place]), len(trials)), away)
 
         sight = Sight(
@@ -209,7 +235,7 @@ class Course:
             touching=seen.touching,
             touched=self._touched[trials],
             joints=seen.joints,
-            stopped=_stopped(self._world.info.joints, truth) | ticks.locked,
+            stopped=_stopped(self._info.joints, truth) | ticks.locked,
             links=truth.touching_links,
             table_links=truth.table_links,
             lean=np.asarray(truth.object_lean),
@@ -366,15 +392,15 @@ class Alone:
     def observe(self) -> Observation:
         """What it sensed then."""
         assert self._seen is not None
-        return _led(self._seen)
+        return led(self._seen)
 
     def step(self, command: Command) -> Observation:
         """Carry out its command."""
-        return _led(self.world.step(Command(command.space, command.displacement[0])))
+        return led(self.world.step(Command(command.space, command.displacement[0])))
 
     def truth(self) -> Truth:
         """The world's."""
-        return _led(self.world.truth())
+        return led(self.world.truth())
 
     def keep(self, rows: Rows) -> None:
         """There is no other."""
@@ -384,7 +410,7 @@ class Alone:
         self.world.close()
 
 
-def _led(alone: Batch) -> Batch:
+def led(alone: Batch) -> Batch:
     """What is of one trial, with a leading axis; the time has none."""
     parts: dict[str, Any] = {field.name: getattr(alone, field.name) for field in dataclasses.fields(alone)}
     led: dict[str, Any] = {

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple
 from importlib import metadata
+from typing import Any
 
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, listed
 from graspdsl.places.files import digest_of
+from graspdsl.plugins.kinds import Plugin
 from graspdsl.trials.store import MANIFEST, SPEC, RunFolder
 
 LIBRARIES = ("graspdsl", "numpy", "pybullet", "scipy")
 FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
+UNTOLD: dict[str, Any] = {"trials": {"count", "seed"}, "name": True, "about": True, "code": True}  # of a spec
 
 
 def versions(*, readers: bool) -> dict[str, str]:
@@ -21,17 +25,23 @@ def versions(*, readers: bool) -> dict[str, str]:
     return {name: metadata.version(name) for name in (*LIBRARIES, *(FILE_READERS if readers else ()))}
 
 
-def identities(program: Program, seed: int, made_by: Mapping[str, str] | None = None) -> Callable[[int], str]:
-    """The identities of a program's trials, by their numbers, as made by these versions, or by those that are here.
+def identities(
+    program: Program, seed: int, made_by: Mapping[str, str] | None = None, plugins: Sequence[Plugin] | None = None
+) -> Callable[[int], str]:
+    """The identities of a program's trials, by their numbers, as made by these versions and with these plug-ins, or by
+    those that are here.
 
-    Each is a hash of all that a trial's numbers depend on: the spec, the trial number, the seed and the versions.
+    Each is a hash of all that a trial's numbers depend on: the spec, the trial number, the seed, the versions and what
+    other packages, or the spec's own code, have a part in it.
     """
-    spec = program.spec.model_dump(mode="json", exclude={"trials": {"count", "seed"}, "name": True, "about": True})
+    spec = program.spec.model_dump(mode="json", exclude=UNTOLD, warnings=False)  # of keys that came since
     made_by = made_by or versions(readers=bool(program.files))
-    before = [spec, program.monitors.model_dump(mode="json")]
+    before = [spec, program.monitors.model_dump(mode="json", warnings=False)]
     after: list[object] = [seed, {name: made_by.get(name) for name in LIBRARIES}]
     if program.files:
         after += [digest_of(program.files), {name: made_by.get(name) for name in FILE_READERS}]
+    if plugins := program.plugins if plugins is None else plugins:
+        after += [list(map(astuple, plugins))]
     first, last = (json.dumps(parts, sort_keys=True) for parts in (before, after))
 
     def of(number: int) -> str:
@@ -54,10 +64,29 @@ def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
         by = f"graspdsl {manifest.versions.get('graspdsl', 'of no known version')}"
         message = f"this run was made by {by}; whether from the {SPEC} in it cannot be told by {here['graspdsl']}"
         return [Diagnostic("run-unchecked", message, severity=Severity.WARNING)]
-    known = [identities(program, manifest.seed, made_by) for made_by in (manifest.versions, here)]
+    made = (manifest.versions, manifest.plugins), (here, program.plugins)
+    known = [identities(program, manifest.seed, *by) for by in made]
     if any(record.identity not in {of(record.number) for of in known} for record in folder.records()):
         raise DiagnosticError([other_origin()])
+    before, now = other_plugins(manifest.plugins, program.plugins)
+    if now:
+        message = (
+            f"this run was made with {listed(before)}; now there is {listed(now)}: what is worked out anew may differ"
+        )
+        return [Diagnostic("run-unchecked", message, severity=Severity.WARNING)]
     return []
+
+
+def other_plugins(made_with: Sequence[Plugin], here: Sequence[Plugin]) -> tuple[list[str], list[str]]:
+    """Of the plug-ins that a run was made with and those that are here, what is no longer the same, before and now."""
+    known = {(plugin.kind, plugin.name): plugin for plugin in made_with}
+    before, now = list[str](), list[str]()
+    for plugin in here:
+        other = known.get((plugin.kind, plugin.name), plugin)
+        if other != plugin:
+            before.append(other.by)
+            now.append(plugin.by if other.by != plugin.by else f"{plugin.by} with another {plugin.name}")
+    return list(dict.fromkeys(before)), list(dict.fromkeys(now))
 
 
 def other_origin() -> Diagnostic:

@@ -115,11 +115,11 @@ class TrialLoop:
         if not begun:
             return
         try:
-            course = Course(self._program, self._stages, self._world)
+            course = Course(self._program, self._stages, self._world.info, self._world.observe(), self._world.truth())
         except WorldCrashError as error:
             yield from (self._trial(trial, *self._failed(error)) for trial in begun)
             return
-        for place, ending, witness in course.run():
+        for place, ending, witness in course.run(self._world):
             trial, began = begun[place], time.perf_counter()
             ended = self._graded(ending, witness)
             trial.wall_s += float(course.wall_s[place]) + time.perf_counter() - began

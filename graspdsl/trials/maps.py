@@ -27,7 +27,7 @@ from graspdsl.trials.measures import orientation
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.starts import ORIENTATION, PLACEMENT, generator
-from graspdsl.worlds.floating import FloatingWorld
+from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.protocol import GRAVITY
 
 PARAMETERS = (*ORIENTATION, *PLACEMENT)
@@ -200,6 +200,9 @@ def floating_cells(
     those of a run. ``on_cells`` hears how many cells are done. Raises DiagnosticError for axes, contacts or programs
     that cannot be mapped.
     """
+    if not isinstance(program.world, Floating):
+        hint = "map a world with a hand, or the floating world"
+        raise refused("not-mapped", f"starts of {program.world.contacts} cannot be mapped", hint)
     x, y = (_direction(axis) for axis in wanted)
     names = program.robot.contacts
     grasp = program.phases[-1].grasp
@@ -215,8 +218,8 @@ def floating_cells(
     stages, done = stages_of(program), 0
     for first in range(0, len(points), TOGETHER):
         world.place(points[first : first + TOGETHER])
-        course = Course(program, stages, world, trajectories=False)
-        for place, ending, witness in course.run():
+        course = Course(program, stages, world.info, world.observe(), world.truth(), trajectories=False)
+        for place, ending, witness in course.run(world):
             assert witness is not None
             truth = witness.truth()
             outcomes[first + place] = ending.outcome.value

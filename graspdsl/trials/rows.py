@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
@@ -39,19 +40,20 @@ def _read_of(grade: Grade) -> Any:
     return create_model("_Grade", __base__=_Part, **fields)
 
 
-_GRADES: dict[str, Any] = {
-    grade.key: (_read_of(grade) | None, Field(default=None, alias=name)) for name, grade in GRADES.items()
-}
-_Grades = create_model("_Grades", __base__=_Part, **_GRADES)
-
-
 class _Rejected(_Part):
     rejected: tuple[RejectedStart, ...]
 
 
-_KINDS = {**get_type_hints(TrialRecord, include_extras=True), "outcome": str, "quality": _Grades}
-_FIELDS: dict[str, Any] = {name: (kind, ...) for name, kind in _KINDS.items()}
-_Values = create_model("_Values", __base__=_Part, **_FIELDS)
+@cache
+def _values(grades: tuple[Grade, ...]) -> type[BaseModel]:
+    """The model of a row's values, with what the grades say."""
+    of_grades: dict[str, Any] = {
+        grade.key: (_read_of(grade), Field(default=None, alias=grade.name)) for grade in grades
+    }
+    quality = create_model("_Grades", __base__=_Part, **of_grades)
+    kinds = {**get_type_hints(TrialRecord, include_extras=True), "outcome": str, "quality": quality}
+    fields: dict[str, Any] = {name: (kind, ...) for name, kind in kinds.items()}
+    return create_model("_Values", __base__=_Part, **fields)
 
 
 def row_of(record: TrialRecord) -> list[object]:
@@ -71,7 +73,7 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
         if values["outcome"] not in OUTCOMES:
             raise ValueError(f"{values['outcome']!r} is not a valid Outcome")
         values["outcome"] = OUTCOMES[values["outcome"]]
-        _Values.model_validate(values)
+        _values(tuple(GRADES.values())).model_validate(values)
     except TypeError:
         raise ValueError("a value has another type") from None
     except ValidationError as error:

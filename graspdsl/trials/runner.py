@@ -10,6 +10,7 @@ import multiprocessing.connection
 import multiprocessing.process
 import os
 import signal
+import sys
 import threading
 import time
 import traceback
@@ -18,17 +19,19 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from contextlib import closing, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
+from types import ModuleType
 
 from graspdsl.compiler.program import Program, Source, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
-from graspdsl.trials.identity import FILE_READERS, identities, other_origin, versions
+from graspdsl.plugins.answering import answered_for
+from graspdsl.trials.identity import FILE_READERS, identities, other_origin, other_plugins, versions
 from graspdsl.trials.interruption import SIGNALS, interruption
 from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
-OnTrial = Callable[[Trial], None]
+OnTrial = Callable[[Trial], object]
 BATCHES_WORTH_A_WORKER = 4
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
@@ -49,13 +52,17 @@ class WorkerEndedError(Exception):
 def new_run(path: Path, program: Program) -> RunFolder:
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
     source, trials, made_by = program.source, program.spec.trials, versions(readers=bool(program.files))
-    manifest = Manifest(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by)
-    return RunFolder.create(path, manifest, source.text, program.files)
+    manifest = Manifest(
+        *(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by),
+        plugins=program.plugins,
+    )
+    return RunFolder.create(path, manifest, source.text, program.files, allow_code=source.allow_code)
 
 
 def source_of(folder: RunFolder) -> Source:
     """What a run's program is read from."""
-    return Source(folder.spec_text, folder.manifest.spec_file, folder.manifest.overrides, folder.files)
+    manifest = folder.manifest
+    return Source(folder.spec_text, manifest.spec_file, manifest.overrides, folder.files, folder.allow_code)
 
 
 def program_of_run(folder: RunFolder) -> Program:
@@ -72,7 +79,7 @@ def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]
     done = {record.number: record.identity for record in finished}
     identity_of = identities(program, folder.manifest.seed)
     if any(identity_of(number) != known for number, known in done.items()):
-        raise DiagnosticError([_differs(folder.manifest.versions)])
+        raise DiagnosticError([_differs(folder.manifest, program)])
     return [number for number in range(folder.manifest.asked) if number not in done]
 
 
@@ -112,7 +119,7 @@ def execute(
 
         tell = on_drawing or (lambda _number, _draws: None)
         if workers == 1:
-            trials = trial_loop(program).run_all(numbers, seed, tell)
+            trials = _here(program, numbers, seed, tell)
         else:
             trials = _elsewhere(folder, batches, seed, workers, tell)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
@@ -139,14 +146,17 @@ def _none_begins(records: Sequence[TrialRecord]) -> Diagnostic:
     return Diagnostic("no-trial-begins", message, hint="let trials.start put the hand elsewhere, or use another object")
 
 
-def _differs(made_by: Mapping[str, str]) -> Diagnostic:
+def _differs(manifest: Manifest, program: Program) -> Diagnostic:
+    made_by = manifest.versions
     here = versions(readers=not made_by.keys().isdisjoint(FILE_READERS))
     changed = {name: version for name, version in here.items() if made_by.get(name) != version}
-    if not changed:
+    before = [f"{name} {made_by.get(name, 'of no known version')}" for name in changed]
+    now = [f"{name} {version}" for name, version in changed.items()]
+    of_plugins = other_plugins(manifest.plugins, program.plugins)
+    made, found = (listed([*own, *others]) for own, others in zip((before, now), of_plugins, strict=True))
+    if not found:
         return other_origin()
-    before = listed(f"{name} {made_by.get(name, 'of no known version')}" for name in changed)
-    now = listed(f"{name} {version}" for name, version in changed.items())
-    return Diagnostic("run-differs", f"this run was made with {before}; now there is {now}", hint="begin a new run")
+    return Diagnostic("run-differs", f"this run was made with {made}; now there is {found}", hint="begin a new run")
 
 
 Worker = multiprocessing.process.BaseProcess
@@ -158,11 +168,13 @@ def _work(pipe: Pipe, source: Source, seed: int) -> None:
     """What a worker process does, until it is killed."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
-        loop = trial_loop(program_of(*source))
-        while True:
-            for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
-                pipe.send(trial)
-            pipe.send(None)
+        program = program_of(*source)
+        with answered_for(program.plugins):
+            loop = trial_loop(program)
+            while True:
+                for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
+                    pipe.send(trial)
+                pipe.send(None)
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
@@ -179,6 +191,11 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[Trial, None, None]:
+    with answered_for(program.plugins):
+        yield from trial_loop(program).run_all(numbers, seed, tell)
 
 
 def _elsewhere(
@@ -217,10 +234,22 @@ def _started(source: Source, seed: int) -> tuple[Pipe, Worker]:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     worker = context.Process(target=_work, args=(there, source, seed), daemon=True)
-    with _sheltered():
+    with _sheltered(), _without_script():
         worker.start()
     there.close()
     return here, worker
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """Processes started within do not run the user's script anew, as multiprocessing has them do: it would start others
+    in turn."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 def _received(pipe: Pipe, worker: Worker) -> Answer:

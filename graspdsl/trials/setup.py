@@ -1,12 +1,14 @@
-"""From a program to the world that its trials run in."""
+"""From a program to the world that its trials run in, or to a hand of one's own."""
 
 from __future__ import annotations
 
+from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program
 from graspdsl.spec.scene import InlineObject
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.worlds.kind import Anchor, WorldSettings
 from graspdsl.worlds.protocol import WitnessedWorld
+from graspdsl.worlds.real_hand import RealHand
 
 
 def settings_of(program: Program) -> WorldSettings:
@@ -26,3 +28,14 @@ def world_of(program: Program) -> WitnessedWorld:
 def trial_loop(program: Program) -> TrialLoop:
     """The loop that runs the program's trials in its world."""
     return TrialLoop(program, world_of(program))
+
+
+def hand_of(program: Program, position: Array | None = None, rotation: Array | None = None) -> RealHand:
+    """What makes observations for a program of the readings of a hand of one's own. position (3,) [m] and rotation
+    (3, 3): where its mounting face is in the world when the joints of a mount without a base are all zero. An arm
+    stands on its base, and a pose that is given is not read.
+
+    Raises DiagnosticError where contacts are sensed by other than load cells, and ValueError for a mount without a base
+    where there is no pose, or what is given is none.
+    """
+    return RealHand(program.robot, settings_of(program).sensing, position, rotation)

@@ -17,6 +17,8 @@ from pydantic import Field, TypeAdapter
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.places.files import COPIES, RUN_MANIFEST, NamedFile, read_text
+from graspdsl.plugins.answering import answered_for
+from graspdsl.plugins.kinds import Plugin
 from graspdsl.spec.trials import MOST_TRIALS
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.record import Duration, Trial, TrialRecord
@@ -30,7 +32,8 @@ LOCK = "lock"
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What a run is: enough to repeat it. ``overrides`` as given with --set, in order; ``wall_s`` spent so far."""
+    """What a run is: enough to repeat it. ``overrides`` as given with --set, in order; ``wall_s`` spent so far;
+    ``plugins``: what it uses of other packages and of its own code."""
 
     name: str
     spec_file: str
@@ -39,6 +42,7 @@ class Manifest:
     asked: Annotated[int, Field(ge=1, le=MOST_TRIALS)]
     versions: Mapping[str, str]
     wall_s: Duration = 0.0
+    plugins: tuple[Plugin, ...] = ()
 
     def as_json(self) -> bytes:
         """The content of its file. Raises DiagnosticError for names that are no text."""
@@ -48,22 +52,38 @@ class Manifest:
             raise _refused("not-utf8", "a name in the manifest of this run is not UTF-8 text", "rename it") from error
 
     @property
+    def made_with(self) -> dict[str, str]:
+        """The versions of all packages that its trials depend on, those of plug-ins too."""
+        return {**self.versions, **{plugin.distribution: plugin.version for plugin in self.plugins if plugin.version}}
+
+    @property
     def settings(self) -> tuple[str, ...]:
         """The overrides but for the number of trials and their seed, which the manifest names."""
         return tuple(word for word in self.overrides if not word.startswith(("trials.count=", "trials.seed=")))
 
 
 class RunFolder:
-    """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has."""
+    """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has.
 
-    def __init__(self, path: Path, manifest: Manifest) -> None:
-        self.path, self.manifest = path, manifest
+    ``allow_code``: whether the Python files in it, which its spec names, may be run.
+    """
+
+    def __init__(self, path: Path, manifest: Manifest, *, allow_code: bool = False) -> None:
+        self.path, self.manifest, self.allow_code = path, manifest, allow_code
         self._held: os.stat_result | None = None
 
     @classmethod
-    def create(cls, path: Path, manifest: Manifest, spec_text: str, files: Sequence[NamedFile] = ()) -> RunFolder:
+    def create(
+        cls,
+        path: Path,
+        manifest: Manifest,
+        spec_text: str,
+        files: Sequence[NamedFile] = (),
+        *,
+        allow_code: bool = False,
+    ) -> RunFolder:
         """A new run folder, with copies of files. Raises DiagnosticError where one cannot be made."""
-        folder = cls(path, manifest)
+        folder = cls(path, manifest, allow_code=allow_code)
         content = manifest.as_json()  # or refused, before there is anything to leave half made
         with folder._writing():
             path.mkdir(parents=True, exist_ok=True)
@@ -94,7 +114,7 @@ class RunFolder:
         self._save_manifest(manifest)  # last of all, which makes it a run
 
     @classmethod
-    def open(cls, path: Path) -> RunFolder:
+    def open(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
         """The run in a folder. Raises DiagnosticError when there is none."""
         try:
             manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
@@ -103,8 +123,9 @@ class RunFolder:
             if _is_missing(path):
                 raise _refused("folder-not-found", "there is no such folder", hint) from error
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
-        folder = cls(path, manifest)
-        folder.records()
+        folder = cls(path, manifest, allow_code=allow_code)
+        if not manifest.plugins:  # which may have outcomes and grades that are known once the spec is read
+            folder.records()
         return folder
 
     @property
@@ -141,12 +162,17 @@ class RunFolder:
                 self._held = None
 
     def add(self, trial: Trial) -> None:
-        """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot."""
+        """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot, or
+        where a thing of another package says of it what could not be read again."""
         marks = ", ".join("?" for _ in COLUMNS)
+        with answered_for(self.manifest.plugins):
+            row = row_of(trial.record)
+            if self.manifest.plugins:
+                record_of(row)
         with self._writing():
             self._save_trajectory(trial)
             with self._table() as table:
-                table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row_of(trial.record))
+                table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row)
 
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""

@@ -14,19 +14,44 @@ from graspdsl.compiler.program import Program
 
 Rows = dict[str, Float32Array]  # one row a tick, by name; none where a trial ended before its first tick
 
-_CONTACTS, _JOINTS = "contacts", "joints"
-_SHAPES: Mapping[str, tuple[int | str, ...]] = {
-    "time": (),
-    "phase": (),
-    "touching": (_CONTACTS,),
-    "force_residual": (),
-    "moment_residual": (),
-    "joints": (_JOINTS,),
-    "points": (_CONTACTS, 3),
-    "normals": (_CONTACTS, 3),
-    "forces": (_CONTACTS, 3),
-    "object_position": (3,),
-    "object_rotation": (3, 3),
+CONTACTS, JOINTS, LEVELS = "contacts", "joints", "levels"  # axes, as long as there are of these
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """An array of a trajectory: what it tells, its unit, its axes after that of the ticks, and whether reports or
+    pictures need it."""
+
+    about: str
+    unit: str
+    axes: tuple[int | str, ...] = ()
+    needed: bool = False
+
+
+_POINTS = (CONTACTS, 3)
+CHANNELS: Mapping[str, Channel] = {
+    "time": Channel("the world's time since the trial began", "s", needed=True),
+    "phase": Channel("the phase of the program, from 0", "1", needed=True),
+    "force_residual": Channel("‖ρ_f‖ of the true contacts", "1", needed=True),
+    "moment_residual": Channel("‖ρ_m‖ of the true contacts, about their centroid", "m", needed=True),
+    "orientation": Channel("angle of the grasp against the object's axis, 0 to π/2", "rad"),
+    "sensed_force_residual": Channel("ρ_f as the controller senses it", "1", (3,)),
+    "sensed_moment_residual": Channel("ρ_m as the controller senses it", "m", (3,)),
+    "leaks": Channel("what of each lower priority reaches a higher one; NaN for those of other phases", "1", (LEVELS,)),
+    "null_space_ranks": Channel(
+        "dimensions of the null spaces of lower priorities; NaN for those of other phases", "1", (LEVELS,)
+    ),
+    "joints": Channel("joints, in command order", "rad, m of a slide", (JOINTS,), needed=True),
+    "touching": Channel("1 where a contact feels that it touches, else 0", "1", (CONTACTS,), needed=True),
+    "sensed_points": Channel("contact points as the hand senses them, the world's frame", "m", _POINTS),
+    "sensed_normals": Channel("inward unit normals as the hand senses them", "1", _POINTS),
+    "sensed_forces": Channel("contact forces on the object as the hand senses them", "N", _POINTS),
+    "points": Channel("true contact points; sensed ones where a contact does not touch", "m", _POINTS, needed=True),
+    "normals": Channel("true inward normals; sensed ones where a contact does not touch", "1", _POINTS, needed=True),
+    "forces": Channel("true forces on the object; NaN where a contact does not touch", "N", _POINTS, needed=True),
+    "object_position": Channel("the object's centre of mass", "m", (3,), needed=True),
+    "object_rotation": Channel("rotation of the object's frame", "1", (3, 3), needed=True),
+    "object_axis": Channel("the object's major axis, a unit vector", "1", (3,)),
 }
 
 
@@ -71,15 +96,16 @@ def read_trajectory(path: Path, layout: Layout | None = None) -> Rows:
 
 
 def _check(rows: Mapping[str, Any], layout: Layout | None) -> None:
-    missing = [name for name in _SHAPES if name not in rows]
+    needed = {name: channel.axes for name, channel in CHANNELS.items() if channel.needed}
+    missing = [name for name in needed if name not in rows]
     if missing:
         raise DamagedTrajectoryError(f"it has no {', '.join(missing)}")
     if len({np.shape(values)[:1] for values in rows.values()}) != 1:
         raise DamagedTrajectoryError("its arrays have not as many rows")
-    sizes = {_CONTACTS: rows["touching"].shape[-1], _JOINTS: rows["joints"].shape[-1]}
+    sizes = {CONTACTS: rows["touching"].shape[-1], JOINTS: rows["joints"].shape[-1]}
     if layout is not None:
-        sizes = {_CONTACTS: layout.contacts, _JOINTS: layout.joints}
-    for name, shape in _SHAPES.items():
+        sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints}
+    for name, shape in needed.items():
         wanted = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
         if rows[name].shape[1:] != wanted:
             raise DamagedTrajectoryError(f"a row of its {name} has the shape {rows[name].shape[1:]}, not {wanted}")

@@ -95,9 +95,8 @@ class WorldKind(ABC):
     ``rate``: of its ticks [Hz]. ``sliding``, ``probing``: the gradient spaces that it can carry out, by the way in
     which contacts are displaced. ``at_once``: a contact gets to another place within a tick, however far, so that it
     need not be probed. ``together``: how many trials it runs side by side. ``pace``: how contacts move where they are
-    not probed; ``contacts``: what they are called. ``senses``: the tactile sensors that it has, the usual one first.
-    ``approaches``: the starts that it has. ``knows_object``: where the object is, is known though nothing holds it.
-    ``lacks``: what it has not, each with the reason as messages give it.
+    not probed; ``contacts``: what they are called. ``approaches``: the starts that it has. ``knows_object``: where the
+    object is, is known though nothing holds it. ``lacks``: what it has not, each with the reason as messages give it.
     """
 
     name: ClassVar[str]
@@ -109,10 +108,14 @@ class WorldKind(ABC):
     together: ClassVar[int] = 1
     pace: ClassVar[str] = "contacts slide"
     contacts: ClassVar[str] = "contacts"
-    senses: ClassVar[tuple[str, ...]]
     approaches: ClassVar[tuple[str, ...]] = ("side", "top")
     knows_object: ClassVar[bool] = False
     lacks: ClassVar[Mapping[Ability, str]] = {}
+
+    @property
+    @abstractmethod
+    def senses(self) -> tuple[str, ...]:
+        """The names of the tactile sensors that it has, the usual one first."""
 
     @abstractmethod
     def make(self, settings: WorldSettings) -> WitnessedWorld:

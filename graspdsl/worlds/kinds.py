@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from graspdsl.diagnostics import listed
 from graspdsl.worlds.bullet.kind import Bullet
 from graspdsl.worlds.floating import Floating
 from graspdsl.worlds.kind import Ability, WorldKind
 
-WORLDS: Mapping[str, WorldKind] = {kind.name: kind for kind in (Bullet(), Floating())}
+WORLDS: dict[str, WorldKind] = {kind.name: kind for kind in (Bullet(), Floating())}
 
 
 def worlds_with(ability: Ability) -> str:

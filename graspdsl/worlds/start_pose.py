@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
 from graspdsl.worlds.protocol import Start
 
@@ -36,3 +37,13 @@ def pose(approach: str, drawn: Mapping[str, float], body: Body, palm_surface: fl
     rotation: Array = np.column_stack([x, np.cross(normal, x), normal])
     position = aim + drawn["offset"] * second - (palm_surface + drawn["standoff"] + depth) * normal
     return Start(position, rotation, drawn)
+
+
+def root_pose(robot: Robot, start: Start) -> tuple[Array, Array]:
+    """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
+    from scipy.spatial.transform import Rotation  # which takes its time to import, and checks need no root
+
+    base = robot.mount.base
+    if base is None:
+        return start.position, Rotation.from_matrix(start.rotation).as_quat()
+    return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()

@@ -8,18 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
+from graspdsl.basis.algebra import tangent_frames
+from graspdsl.contracts import drawing
 
 
 @dataclass(frozen=True)
-class Coordinates:
-    """``frames`` and ``stretch`` are the basis's; ``turned`` says where the inward normals (k, 3) of contacts on a
-    sphere point after a displacement ψ (k, 2), without either.
-    """
+class Coordinates(drawing.Coordinates):
+    """``turned`` says where the inward normals (k, 3) of contacts on a sphere point after a displacement ψ (k, 2),
+    without frames and stretch."""
 
-    name: str
-    frames: Callable[[Array], Array]
-    stretch: Callable[[Array], Array]
     turned: Callable[[Array, Array], Array]
 
 
@@ -46,6 +43,6 @@ def _by_angles(normals: Array, psi: Array) -> Array:
     return force(theta + psi[:, 0], phi + psi[:, 1])
 
 
-TANGENT = Coordinates("tangent", tangent_frames, lambda normals: np.ones((*normals.shape[:-1], 2)), _along_the_frame)
-SPHERICAL = Coordinates("spherical", spherical_frames, spherical_stretch, _by_angles)
+TANGENT = Coordinates(drawing.TANGENT.name, drawing.TANGENT.frames, drawing.TANGENT.stretch, _along_the_frame)
+SPHERICAL = Coordinates(drawing.SPHERICAL.name, drawing.SPHERICAL.frames, drawing.SPHERICAL.stretch, _by_angles)
 COORDINATES = (TANGENT, SPHERICAL)

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.contracts.drawing import CONTACTS
 
 from .coordinates import Coordinates
-from .resource_sets import CONTACTS
 
 Inputs = Mapping[str, Array]
 Motion = Callable[[Inputs, Array, Coordinates], Inputs]

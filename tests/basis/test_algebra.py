@@ -19,8 +19,7 @@ from graspdsl.basis.algebra import (
     spherical_stretch,
     tangent_frames,
 )
-
-from .drawing import generator, unit_vectors
+from graspdsl.contracts.drawing import generator, unit_vectors
 
 POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, -0.0, 1.0], [1e-9, 0.0, -1.0], [1.0, 0.0, -0.0]])
 

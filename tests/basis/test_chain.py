@@ -13,10 +13,8 @@ from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.resources import ContactSet
 from graspdsl.basis.rotations import turn_between
 from graspdsl.basis.sensors import SENSORS
-
-from .differences import central_differences
-from .drawing import JOINTS, generator, unit_vectors
-from .resource_sets import CONTACTS, SETS
+from graspdsl.contracts.differences import central_differences
+from graspdsl.contracts.drawing import CONTACTS, JOINTS, SETS, generator, unit_vectors
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,21 @@ from graspdsl.basis.algebra import cross, spherical_frames, spherical_stretch, t
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
+from graspdsl.contracts.differences import central_differences
+from graspdsl.contracts.drawing import (
+    CONTACTS,
+    NESTED,
+    PLAIN,
+    SETS,
+    VIRTUAL,
+    WITH_GRAVITY,
+    generator,
+    inputs,
+    with_gravity,
+)
 
 from .coordinates import SPHERICAL
 from .coordinates import angles as angles_of
-from .differences import central_differences
-from .drawing import generator, inputs, with_gravity
-from .resource_sets import CONTACTS, NESTED, PLAIN, SETS, VIRTUAL, WITH_GRAVITY
 
 ONE = np.ones(1)
 RADIUS = np.array(1.7)
@@ -200,7 +209,7 @@ def test_turning_everything_changes_nothing_without_gravity() -> None:
     for resources in (*SETS.values(), *WITH_GRAVITY.values()):
         for _ in range(20):
             given = inputs(random, CONTACTS)
-            given = with_gravity(given, random) if resources.has_gravity else given
+            given = with_gravity(given) if resources.has_gravity else given
             for slope in _slopes(resources.weights, given, turning=resources.turning):
                 assert (np.linalg.norm(slope) < 1e-12) != resources.has_gravity
 

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
-
-from .drawing import JOINTS
-from .resource_sets import CONTACTS, JOINT_SETS, NESTED, PLAIN, SETS, SOME, VIRTUAL, WITH_GRAVITY
+from graspdsl.contracts.drawing import CONTACTS, JOINT_SETS, JOINTS, NESTED, PLAIN, SETS, SOME, VIRTUAL, WITH_GRAVITY
 
 
 @pytest.mark.parametrize("resources", [*SETS.values(), *WITH_GRAVITY.values()], ids=[*SETS, *WITH_GRAVITY])

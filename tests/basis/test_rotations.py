@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import exponential, logarithm, turn_between, turned
-
-from .drawing import generator, unit_vectors
+from graspdsl.contracts.drawing import generator, unit_vectors
 
 CLOSE = 1e-12
 SMALL = np.concatenate([[0.0], np.logspace(-16, -1, 61)])

@@ -10,9 +10,7 @@ import pytest
 from graspdsl.arrays import Array
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 from graspdsl.basis.sensors import SENSORS
-
-from .drawing import generator, inputs, with_gravity
-from .resource_sets import CONTACTS, JOINT_SETS, SETS, WITH_GRAVITY
+from graspdsl.contracts.drawing import CONTACTS, JOINT_SETS, SETS, WITH_GRAVITY, generator, inputs, with_gravity
 
 Reading = Callable[[Mapping[str, Array], int], Array]
 
@@ -64,7 +62,7 @@ def test_sensor_of_contacts_and_gravity(symbol: str, resources: ContactSet) -> N
     """Gravity stands behind the contacts: at the centre of mass, its force the weight, its normal straight down."""
     random = generator()
     for _ in range(10):
-        _checked(symbol, resources, with_gravity(inputs(random, CONTACTS), random))
+        _checked(symbol, resources, with_gravity(inputs(random, CONTACTS)))
 
 
 def test_only_an_orientation_is_not_gravitys() -> None:

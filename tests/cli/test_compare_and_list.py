@@ -11,8 +11,8 @@ import pytest
 from cli.program import graspdsl
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.prelude import prelude
 from graspdsl.basis.sensors import SENSORS
-from graspdsl.compiler.definitions import prelude
 from graspdsl.hands.descriptions import mounts
 from graspdsl.worlds.kinds import WORLDS
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
@@ -56,7 +56,13 @@ def test_a_specs_own_controllers_are_listed_and_explained(tmp_path: Path) -> Non
     text = text.replace("program:", own).replace("π_s|Γ Γ (π_gx|Γ Γ)", "π_mine|Γ Γ")
     (tmp_path / "own.yaml").write_text(text, encoding="utf-8")
     listed = json.loads(graspdsl("list", "controllers", "own.yaml", "--json", cwd=tmp_path).stdout)["controllers"]
-    mine = {"controller": "π_mine|Γ Γ", "equation": "7.1", "stands for": "π_sgx|Γ Γ", "use it": "my own way"}
+    mine = {
+        "controller": "π_mine|Γ Γ",
+        "from": "own.yaml",
+        "equation": "7.1",
+        "stands for": "π_sgx|Γ Γ",
+        "use it": "my own way",
+    }
     assert [entry for entry in listed if entry["controller"] == "π_mine|Γ Γ"] == [mine]
     assert len(listed) == len(prelude()) + 1
     assert "π_mine|Γ Γ ≡ π_sgx|Γ Γ  (Eq. 7.1) my own way" in graspdsl("explain", "own.yaml", cwd=tmp_path).stdout

@@ -72,12 +72,12 @@ def test_every_garbled_run_is_read_or_refused(whole: RunFolder, tmp_path: Path) 
     refused = 0
     for place in each(whole, tmp_path / "run", GARBLED, seed=4):
         try:
-            folder = opened(place)
-            evidence = evidence_of(folder)
+            opened_run = opened(place)
+            evidence = opened_run.evidence
             runs = [(run, summarised(run)) for run in (evidence_of(whole), evidence)]
             json.dumps(plain([runs[1][1], comparison(runs)]), allow_nan=False)
             lost = {record.number for record in evidence.records} - evidence.courses.keys()
-            assert lost == {0, 1} - {record.number for record in folder.finished()}
+            assert lost == {0, 1} - {record.number for record in opened_run.folder.finished()}
         except DiagnosticError:
             refused += 1
     assert GARBLED / 4 < refused < GARBLED

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from graspdsl.cli.app import app
 
 pytestmark = pytest.mark.slow
 
+MOUNTS = ROOT / "tests" / "plugin" / "src" / "graspdsl_stranger" / "mounts"
 FORMULA = "π_s|Γ Γ (π_gx|Γ Γ)"
 
 # What replaces what in the shipped spec, and the complaints it gets.
@@ -134,6 +136,18 @@ def test_a_sound_spec(tmp_path: Path) -> None:
     answer = graspdsl("validate", SPEC, "--json", cwd=tmp_path)
     assert json.loads(answer.stdout) == {"files": [{"path": str(SPEC), "ok": True, "diagnostics": []}]}
     assert (answer.returncode, answer.stderr) == (0, "")
+
+
+def test_a_mount_file_is_checked_as_such(tmp_path: Path) -> None:
+    for file in ("portal.yaml", "portal.urdf"):
+        shutil.copy(MOUNTS / file, tmp_path)
+    assert graspdsl("validate", "portal.yaml", cwd=tmp_path).stdout == "portal.yaml: ok\n"
+    text = (tmp_path / "portal.yaml").read_text("utf-8")
+    (tmp_path / "portal.yaml").write_text(text.replace("face: flange", "face: flang"), "utf-8")
+    answer = graspdsl("validate", "portal.yaml", cwd=tmp_path)
+    assert answer.returncode == 1
+    place = text.split("\n").index("face: flange") + 1
+    assert answer.stdout.startswith(f"portal.yaml:{place}:7: error[unknown-link]: there is no link 'flang'\n")
 
 
 def test_names_of_files_do_not_steer_the_terminal(tmp_path: Path) -> None:

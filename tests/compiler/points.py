@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from graspdsl.basis.prelude import prelude
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declaration
-from graspdsl.compiler.definitions import prelude
 from graspdsl.compiler.lowering import compile_controller
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable

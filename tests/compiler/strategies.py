@@ -7,9 +7,9 @@ from hypothesis.strategies import SearchStrategy
 
 from graspdsl.basis.effectors import EFFECTORS
 from graspdsl.basis.potentials import POTENTIALS
+from graspdsl.basis.prelude import prelude
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.basis.spaces import GradientSpace
-from graspdsl.compiler.definitions import prelude
 from graspdsl.notation.tree import (
     Abbreviation,
     Controller,

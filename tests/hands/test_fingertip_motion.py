@@ -37,6 +37,25 @@ def test_jacobians_are_those_of_the_engine(hand: str, mount: str) -> None:
     engine.disconnect(client)
 
 
+@pytest.mark.parametrize("mount", ["gantry", "wam"])
+def test_links_are_where_the_engine_has_them(mount: str) -> None:
+    """To its single precision; the Jacobians of any of their points to double."""
+    engine, whole = pybullet(), robot("trio", mount)
+    with silenced():
+        client = engine.connect(engine.DIRECT)
+    known = BulletHand(engine, client, whole, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), 0.4)
+    joints, place = np.random.default_rng(4).uniform(0.1, 0.5, len(whole.joints)), np.array([0.01, -0.02, 0.03])
+    known.place(joints)
+    links = FingertipMotion(whole).links(joints)
+    for link, tip, (origin, rotation) in zip(links, known.tips, known.tip_frames(), strict=True):
+        np.testing.assert_allclose(link.origin, origin, rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(link.rotation, rotation, rtol=0.0, atol=1e-6)
+        engines = known.jacobians(tip, place, known.all_joints())
+        for found, known_one in zip(link.jacobians(place), engines, strict=True):
+            np.testing.assert_allclose(found, known_one, rtol=0.0, atol=1e-12)
+    engine.disconnect(client)
+
+
 def test_strength_is_effort_over_lever() -> None:
     """The base joint's 2 N·m of a Barrett finger, at its shortest lever on the way to closed: 85.5 mm."""
     for press in FingertipMotion(robot("barrett", "gantry")).strongest():

@@ -163,7 +163,7 @@ BALL_OF_FACETS = _geom('<mesh filename="ball.stl"/>')
 def test_the_declared_shape_is_what_touches_and_is_drawn(geometry: str, declared: str, tmp_path: Path) -> None:
     trimesh.creation.uv_sphere(radius=0.01, count=[16, 32]).export(tmp_path / "ball.stl")
     found = _found(tmp_path, geometry, declared, looks="")
-    robot = Robot(hand=found.hand, mount=mounts()["gantry"], hand_model=found.model)
+    robot = Robot(hand=found.hand, mount=mounts()["gantry"])
     directions = np.random.default_rng(0).normal(size=(30, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     engine = pybullet()

@@ -276,7 +276,7 @@ def test_a_mimic_of_a_driven_joint_is_passed_over_with_a_warning(tmp_path: Path)
 def test_an_effort_that_a_model_does_not_state_is_told(effort: str, tmp_path: Path) -> None:
     model = TWO_LINKS.replace('effort="1"', effort).replace("{mesh}", "").replace("{lower}", "0")
     found = read(tmp_path, {}, urdf=model)
-    robot = Robot(hand=found.hand, mount=mounts()["gantry"], hand_model=found.model)
+    robot = Robot(hand=found.hand, mount=mounts()["gantry"])
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:

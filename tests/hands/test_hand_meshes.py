@@ -88,7 +88,7 @@ def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
     (root / "urdf" / "two.urdf").write_text(_urdf(FINGER, "package://robotiq/meshes/a.stl"), encoding="utf-8")
     (root / "hand.yaml").write_text(changed(HAND, ("two.urdf", "urdf/two.urdf")), encoding="utf-8")
     for folder, name in ((root, "hand.yaml"), (tmp_path, "robotiq/hand.yaml")):
-        assert f'filename="{root.resolve() / "meshes" / "a.stl"}"' in hand_in(SpecFolder(folder), name).model
+        assert f'filename="{root.resolve() / "meshes" / "a.stl"}"' in hand_in(SpecFolder(folder), name).hand.model
     (root / "meshes" / "a.stl").unlink()
     with pytest.raises(HandFileError) as caught:
         hand_in(SpecFolder(root), "hand.yaml")
@@ -105,7 +105,7 @@ def test_a_hand_in_a_package_of_ros(tmp_path: Path) -> None:
 def test_the_engine_has_the_box_of_a_good_mesh(name: str, content: bytes, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)
     write(tmp_path, _urdf(FINGER, name))
-    (tmp_path / "whole.urdf").write_text(hand_in(SpecFolder(tmp_path), "hand.yaml").model, encoding="utf-8")
+    (tmp_path / "whole.urdf").write_text(hand_in(SpecFolder(tmp_path), "hand.yaml").hand.model, encoding="utf-8")
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:

@@ -46,7 +46,7 @@ def _found(folder: Path, urdf: str) -> FoundHand:
 
 def _draws_ball(found: FoundHand, folder: Path) -> bool:
     """Whether the engine draws the ball of the tip; of a link without looks it draws what touches, a smaller one."""
-    (folder / "model.urdf").write_text(found.model, encoding="utf-8")
+    (folder / "model.urdf").write_text(found.hand.model, encoding="utf-8")
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:
@@ -68,8 +68,8 @@ def test_a_look_that_cannot_be_drawn_is_left_out_with_a_warning(name: str, tmp_p
     assert said in warning.message
     assert "not drawn" in warning.message
     assert warning.span is not None
-    assert not list(ElementTree.fromstring(found.model).iter("visual"))
-    assert len(list(ElementTree.fromstring(found.model).iter("collision"))) == 2
+    assert not list(ElementTree.fromstring(found.hand.model).iter("visual"))
+    assert len(list(ElementTree.fromstring(found.hand.model).iter("collision"))) == 2
     assert not _draws_ball(found, tmp_path)
 
 
@@ -79,7 +79,7 @@ def test_a_look_without_its_colour_is_still_drawn(name: str, tmp_path: Path) -> 
     found = _found(tmp_path, changed(URDF, (old, new)))
     (warning,) = found.warnings
     assert (warning.code, said in warning.message) == ("undrawn", True)
-    assert not any(colour.get("rgba") == new for colour in ElementTree.fromstring(found.model).iter("color"))
+    assert not any(colour.get("rgba") == new for colour in ElementTree.fromstring(found.hand.model).iter("color"))
     assert _draws_ball(found, tmp_path)
 
 

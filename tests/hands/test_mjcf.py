@@ -38,7 +38,7 @@ def test_links_are_where_the_file_says(tmp_path: Path, bend: float, slide: float
     """The tip's centre of mass, as the engine has it and worked out by hand."""
     (tmp_path / "pincer.xml").write_text(PINCER, encoding="utf-8")
     (tmp_path / "hand.yaml").write_text(HAND, encoding="utf-8")
-    (tmp_path / "pincer.urdf").write_text(hand_in(SpecFolder(tmp_path), "hand.yaml").model, encoding="utf-8")
+    (tmp_path / "pincer.urdf").write_text(hand_in(SpecFolder(tmp_path), "hand.yaml").hand.model, encoding="utf-8")
     pivot = np.array([0.0, 0.0, -0.01])
     left = Rotation.from_quat([0.9553365, 0.1477601, 0.1477601, 0.2089643], scalar_first=True)
     turned = Rotation.from_rotvec([0.0, bend, 0.0])
@@ -63,6 +63,6 @@ def test_limits_and_geoms(tmp_path: Path) -> None:
     (tmp_path / "pincer.xml").write_text(PINCER, encoding="utf-8")
     (tmp_path / "hand.yaml").write_text(HAND, encoding="utf-8")
     found = hand_in(SpecFolder(tmp_path), "hand.yaml")
-    tree = ElementTree.fromstring(found.model)
+    tree = ElementTree.fromstring(found.hand.model)
     assert found.hand.postures["closed"] == {"bend": 1.5, "slide": 0.0}
     assert [len(link.findall("collision")) for link in tree.findall("link")] == [1, 3, 1]

@@ -111,7 +111,7 @@ def test_a_coupling_may_say_what_the_model_says(
 ) -> None:
     urdf = _urdf(MIMIC.format(CONTINUOUS[0], leader, multiplier, offset), "continuous")
     assert _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(ratio)) == []
-    assert "mimic" not in hand_in(SpecFolder(tmp_path), "hand.yaml").model
+    assert "mimic" not in hand_in(SpecFolder(tmp_path), "hand.yaml").hand.model
 
 
 @pytest.mark.parametrize(("leader", "multiplier", "offset", "ratio", "said"), DENIED)

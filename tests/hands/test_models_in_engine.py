@@ -25,7 +25,7 @@ INERTIAL = (
 
 @contextmanager
 def _in_engine(found: FoundHand) -> Iterator[tuple[Any, int, BulletHand]]:
-    robot = Robot(hand=found.hand, mount=mounts()["gantry"], hand_model=found.model)
+    robot = Robot(hand=found.hand, mount=mounts()["gantry"])
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:
@@ -40,7 +40,7 @@ def test_a_long_model_may_stand_on_one_line(tmp_path: Path) -> None:
     """The engine cuts long lines, in the midst of a number."""
     write(tmp_path, with_links(90).replace("\n", " "))
     found = hand_in(SpecFolder(tmp_path), "hand.yaml")
-    assert "\n" not in found.model
+    assert "\n" not in found.hand.model
     with _in_engine(found) as (_, _, hand):
         assert "l89" in hand.link_index
 
@@ -63,5 +63,5 @@ def test_what_the_rules_do_not_know_does_not_reach_the_engine(tmp_path: Path) ->
     more = '<gazebo reference="tip"/><transmission/><link name="a" wild="nan"><sensor/></link>'
     joint = '<joint name="c" type="fixed"><parent link="palm"/><child link="a"/><safety_controller k="nan"/></joint>'
     write(tmp_path, changed(URDF, ("</robot>", f"{more}{joint}</robot>")))
-    model = hand_in(SpecFolder(tmp_path), "hand.yaml").model
+    model = hand_in(SpecFolder(tmp_path), "hand.yaml").hand.model
     assert not any(word in model for word in ("gazebo", "transmission", "wild", "sensor", "safety", "nan"))

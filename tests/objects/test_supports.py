@@ -37,14 +37,6 @@ def test_every_shape_that_a_spec_can_describe_is_here_under_its_own_name() -> No
 
 
 @EACH_SHAPE
-def test_an_engine_s_own_shape_is_of_the_same_size(name: str) -> None:
-    shape = SHAPES[name]
-    halves = shape.primitive[1] if shape.primitive else ()
-    across = halves[:1] * (4 - len(halves)) + halves[1:]  # of a radius, in every direction that has no number
-    assert not halves or np.array_equal(2 * np.array(across), shape.extent)
-
-
-@EACH_SHAPE
 @given(direction=DIRECTIONS)
 @settings(deadline=None)  # the first facets of a shape take a while
 def test_the_drawn_surface_reaches_as_far_as_the_shape(name: str, direction: tuple[float, float, float]) -> None:

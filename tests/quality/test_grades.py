@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
-from graspdsl.hands.descriptions import robot
+from graspdsl.contracts.grades import RULES
 from graspdsl.quality import grades
 from graspdsl.quality.grade import Found, Grade, Grasp, Quantity
 
@@ -32,7 +32,8 @@ class SpreadGrade(Grade):
         if grasp.missing:
             return {"wide": False, "reason": grasp.missing, "span": {"value": None, "reason": grasp.missing}}
         span = float(np.linalg.norm(grasp.points[:, None] - grasp.points, axis=-1).max())
-        return {"wide": span > 0.03, "reason": "", "span": {"value": span, "reason": ""}}
+        reason = "" if span > 0.03 else "the contacts lie close together"
+        return {"wide": not reason, "reason": reason, "span": {"value": span, "reason": ""}}
 
 
 @pytest.fixture
@@ -48,11 +49,17 @@ def said(*words: str) -> str:
     return answer.stdout
 
 
+@pytest.mark.usefixtures("_added")
+def test_an_added_grade_keeps_the_contract() -> None:
+    assert [said for rule in RULES.values() for said in rule(grades.GRADES["spread-out"])] == []
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("_added")
 def test_an_added_grade_is_listed_run_and_told() -> None:
     assert json.loads(said("list", "grades", "--json"))["grades"][-1] == {
         "name": "spread-out",
+        "from": "graspdsl",
         "about": "whether the contacts lie far apart",
     }
     assert "spread-out" in json.loads(said("schema"))["properties"]["evaluate"]["items"]["enum"]
@@ -82,19 +89,3 @@ def test_an_added_grade_is_checked(tmp_path: Path) -> None:
     known = "force-closure, ferrari-canny, lift, shake or spread-out"
     assert fault["message"] == f"expected {known}, found the text 'spread-in'"
     assert fault["hint"] == "did you mean spread-out?"
-
-
-@pytest.mark.parametrize("grade", grades.GRADES.values(), ids=list(grades.GRADES))
-def test_every_grade_says_what_it_is(grade: Grade) -> None:
-    """And grades a trial without a grasp: not passed and not measured, for the reason that is given."""
-    assert grades.GRADES[grade.name] is grade
-    assert grade.about
-    assert grade.definition.endswith(".")
-    assert grade.column
-    assert grade.passed or grade.quantities
-    found = grade.of(Grasp(robot("barrett", "gantry"), 0.4, missing="it rains"))
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
-    if grade.passed:
-        assert (found[grade.passed], found["reason"]) == (False, "it rains")
-    for quantity in grade.quantities:
-        assert found[quantity.key] == {"value": None, "reason": "it rains"}

@@ -88,7 +88,7 @@ def test_figures_show_what_the_runs_did(runs: list[Evidence]) -> None:
     curves = convergence_figure(sides).axes[0].get_lines()
     numbers = compared(runs).runs
     for curve, column in zip(curves, numbers, strict=True):
-        assert np.asarray(curve.get_ydata())[-1] == pytest.approx(100.0 * (column.summary.converged or 0.0))
+        assert np.asarray(curve.get_ydata())[-1] == pytest.approx(100.0 * (column.summary.converged.share or 0.0))
     for curve, side in zip(residual_figure(sides).axes[0].get_lines(), sides[:2], strict=False):
         ends = [record.force_residual_end for record in side.evidence.records]
         starts = [course.force[0] for course in side.evidence.courses.values()]

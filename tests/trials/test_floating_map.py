@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from graspdsl_stranger.world import Gliding
 
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
@@ -174,3 +175,9 @@ def test_what_cannot_be_mapped_is_refused(
     [diagnostic] = caught.value.diagnostics
     assert diagnostic.code == code
     assert diagnostic.hint
+
+
+def test_contacts_of_another_world_are_not_taken_for_floating_ones() -> None:
+    made = replace(program("compare/cstar.yaml"), world=Gliding())
+    with pytest.raises(DiagnosticError, match="starts of gliding contacts cannot be mapped"):
+        floating_cells(made, axes(2, 2), None, SEED)

@@ -15,6 +15,10 @@ import pytest
 from graspdsl.compiler.program import program_of
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.trajectories import (
+    CHANNELS,
+    CONTACTS,
+    JOINTS,
+    LEVELS,
     DamagedTrajectoryError,
     Layout,
     Rows,
@@ -120,3 +124,22 @@ def test_garbled_files_are_whole_or_damaged(method: int, tmp_path: Path) -> None
         except DamagedTrajectoryError:
             damaged += 1
     assert damaged > 200
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["compare/moment_subject_to_force", "chapter/4_30_grasp_cartesian"])
+def test_every_array_is_told_of(name: str, tmp_path: Path) -> None:
+    """What trials of either world write down are the channels there are, each with its axes and a unit."""
+    spec = SPEC.parents[1] / f"{name}.yaml"
+    program = program_of(spec.read_text("utf-8"), spec.name, ("trials.count=1",))
+    folder = new_run(tmp_path / "run", program)
+    execute(folder, workers=1)
+    layout = Layout.of(program)
+    levels = max(len(pipeline.leaks) for stages in program.pipelines() for pipeline in stages)
+    sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints, LEVELS: levels}
+    rows = folder.trajectory(0, layout)
+    assert {name: rows[name].shape[1:] for name in rows} == {
+        name: tuple(sizes[axis] if isinstance(axis, str) else axis for axis in channel.axes)
+        for name, channel in CHANNELS.items()
+    }
+    assert all(channel.unit and channel.about for channel in CHANNELS.values())

@@ -102,8 +102,8 @@ def ends(
     made = program(formula, contacts(count), until=f"{until}, hold: {(hold - 1) / RATE!r}", steps=steps)
     world = FloatingWorld(made.robot.contacts, surface, 0.0)
     world.place(points)
-    course = Course(made, stages_of(made), world, trajectories=False)
-    for place, ending, witness in course.run():
+    course = Course(made, stages_of(made), world.info, world.observe(), world.truth(), trajectories=False)
+    for place, ending, witness in course.run(world):
         assert witness is not None
         found.points[place] = witness.truth().points
         if ending.outcome is Outcome.CONVERGED:
@@ -124,8 +124,8 @@ def kept(formula: str, count: int, surface: Surface) -> Flags:
     for first in range(0, len(points), 100):
         world = FloatingWorld(made.robot.contacts, surface, 0.0)
         world.place(points[first : first + 100])
-        course = Course(made, stages_of(made), world)
-        for place, ending, _ in course.run():
+        course = Course(made, stages_of(made), world.info, world.observe(), world.truth())
+        for place, ending, _ in course.run(world):
             assert ending.outcome is Outcome.TIMEOUT
             rows = course.log.trajectory(place)
             ended = {name: rows[name][-HOLD:] for name in LOW}

@@ -6,6 +6,7 @@ from graspdsl.basis.spaces import GradientSpace
 from graspdsl.worlds.bullet.engine import CONTROL_RATE
 from graspdsl.worlds.kind import TrialStudio, View, WorldKind, WorldSettings
 from graspdsl.worlds.protocol import WitnessedWorld
+from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
 
 class Bullet(WorldKind):
@@ -16,7 +17,11 @@ class Bullet(WorldKind):
     rate = CONTROL_RATE
     sliding = frozenset({GradientSpace.JOINTS})
     probing = frozenset({GradientSpace.JOINTS, GradientSpace.SURFACE, GradientSpace.CARTESIAN})
-    senses = ("load-cell", "skin", "proximity", "exact")
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        """All of the table."""
+        return tuple(TACTILE_SENSORS)
 
     def make(self, settings: WorldSettings) -> WitnessedWorld:
         """The world in which joints are commanded, or contacts probed."""

@@ -19,10 +19,10 @@ from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.solids import visual_of
-from graspdsl.worlds.bullet.start_postures import root_pose
 from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture, box_corners, camera_on
 from graspdsl.worlds.kind import Anchor, WorldSettings
 from graspdsl.worlds.protocol import Start
+from graspdsl.worlds.start_pose import root_pose
 
 ASIDE = np.array([0.55, -0.75, 0.42])  # from where what has no palm is seen
 BALL = 0.0035  # m, radius

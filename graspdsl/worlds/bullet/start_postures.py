@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, joint_limits
@@ -19,20 +18,13 @@ from graspdsl.worlds.bullet.scene import Pose, Scene
 from graspdsl.worlds.camera import box_corners
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import InfeasibleStartError, Start
+from graspdsl.worlds.start_pose import root_pose
 
 CLEARANCE = 0.004  # m that a start keeps between the hand and everything else
 PRESHAPE = 0.012  # m between a tip and the object when a trial begins
 CLOSING_STEP = 0.02  # rad
 SEEN_AHEAD = 0.1  # m within which distances are asked for
 ROUNDING = 1e-4  # m by which the engine's distances may be wrong
-
-
-def root_pose(robot: Robot, start: Start) -> tuple[Array, Array]:
-    """Position (3,) [m] and quaternion (4,) of the robot's root: where its arm stands, else at the start pose."""
-    base = robot.mount.base
-    if base is None:
-        return start.position, Rotation.from_matrix(start.rotation).as_quat()
-    return np.array(base.position), Rotation.from_euler("xyz", base.rpy).as_quat()
 
 
 class StartPostures:

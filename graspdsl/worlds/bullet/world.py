@@ -13,7 +13,7 @@ from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
-from graspdsl.worlds.bullet.start_postures import StartPostures, root_pose
+from graspdsl.worlds.bullet.start_postures import StartPostures
 from graspdsl.worlds.camera import Picture
 from graspdsl.worlds.kind import Anchor, WorldSettings
 from graspdsl.worlds.protocol import (
@@ -25,6 +25,7 @@ from graspdsl.worlds.protocol import (
     WorldCrashError,
     WorldInfo,
 )
+from graspdsl.worlds.start_pose import root_pose
 from graspdsl.worlds.touch.fingertip_sensor import Clock
 from graspdsl.worlds.touch.fingertips import Fingertips
 

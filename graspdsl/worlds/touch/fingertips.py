@@ -50,9 +50,9 @@ class Fingertips:
             for contact in robot.hand.contacts.values()
         ]
 
-    def advance(self) -> None:
-        """One step of the engine has been made: take the samples that are due."""
-        self._step += 1
+    def advance(self, steps: int = 1) -> None:
+        """So many steps of the engine have been made: take the samples that are due."""
+        self._step += steps
         if self._sensor.due(self._step):
             self._sensor.sample(self._step)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from graspdsl.spec.sensing import TactileSensor
 from graspdsl.worlds.touch.exact import ExactContacts
 from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor
@@ -11,7 +9,7 @@ from graspdsl.worlds.touch.load_cells import LoadCells
 from graspdsl.worlds.touch.proximity import ProximitySensors
 from graspdsl.worlds.touch.skins import Skins
 
-TACTILE_SENSORS: Mapping[str, type[FingertipSensor]] = {
+TACTILE_SENSORS: dict[str, type[FingertipSensor]] = {
     sensor.name: sensor for sensor in (LoadCells, Skins, ProximitySensors, ExactContacts)
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Self
 
 import rich.progress
@@ -14,18 +14,25 @@ from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task
 from rich.table import Column
 from rich.text import Text
 
-from graspdsl.cli.messages import say
 from graspdsl.trials.record import Trial, TrialRecord
 
 BAR = 20  # cells
 LINES = 10  # in all, where there is no terminal
 
 
-class Progress:
-    """Steps done, of so many, and time left; on a terminal a sign of life before the first. For a ``with``."""
+def say(line: str) -> None:
+    """A line on stderr."""
+    print(line, file=sys.stderr, flush=True)
 
-    def __init__(self, asked: int, finished: int = 0) -> None:
-        self._asked, self._before, self._done = asked, finished, finished
+
+class Progress:
+    """Steps done, of so many, and time left; on a terminal a sign of life before the first. For a ``with``.
+
+    ``to``: what says a line where there is no terminal.
+    """
+
+    def __init__(self, asked: int, finished: int = 0, to: Callable[[str], None] = say) -> None:
+        self._asked, self._before, self._done, self._to = asked, finished, finished, to
         self._began = time.monotonic()
         self._every = max(1, asked // LINES)
         console = Console(file=sys.stderr)
@@ -61,7 +68,7 @@ class Progress:
 
     def _say(self) -> None:
         filled = BAR * self._done // self._asked
-        say(f"{'█' * filled}{'░' * (BAR - filled)} {self.told()}")
+        self._to(f"{'█' * filled}{'░' * (BAR - filled)} {self.told()}")
 
     def _note(self) -> str:
         return ""
@@ -86,10 +93,10 @@ class _Told(ProgressColumn):
 class TrialProgress(Progress):
     """Trials done, outcomes so far and time left."""
 
-    def __init__(self, asked: int, finished: Sequence[TrialRecord]) -> None:
+    def __init__(self, asked: int, finished: Sequence[TrialRecord], to: Callable[[str], None] = say) -> None:
         self._outcomes = Counter(record.outcome.value for record in finished)
         self._drawing = ""
-        super().__init__(asked, len(finished))
+        super().__init__(asked, len(finished), to)
 
     def advance(self, trial: Trial) -> None:
         """One more trial is finished."""

@@ -1,0 +1,332 @@
+"""Runs: made, gone on with, opened, and everything that is known of one."""
+
+from __future__ import annotations
+
+import shutil
+import weakref
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cached_property
+from operator import index
+from os import PathLike
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import TYPE_CHECKING, Any
+
+import numpy.typing as npt
+
+from graspdsl.api.programs import load, warn, with_trials
+from graspdsl.api.trajectories import Trajectory
+from graspdsl.compiler.program import Program
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
+from graspdsl.report.claims import Claim, claims_of
+from graspdsl.report.evidence import Evidence, evidence_of
+from graspdsl.report.outcomes import representatives
+from graspdsl.report.summary import Summary, summarised
+from graspdsl.report.wording import counted
+from graspdsl.trials.columns import columns_of
+from graspdsl.trials.identity import check_origin
+from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
+from graspdsl.trials.store import LOCK, SPEC, RunFolder, unwritable
+from graspdsl.trials.trajectories import Layout
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+Place = str | PathLike[str]
+OnRecord = Callable[[TrialRecord], object]
+STOPPED = (KeyboardInterrupt, WorkerEndedError)
+
+MOST_WORKERS = 1024
+
+
+def run(
+    program: Program | Place,
+    *,
+    trials: int | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
+    out: Place | None = None,
+    progress: bool | OnRecord = True,
+    allow_code: bool = False,
+) -> Run:
+    """Run the trials of a program, or of a spec file, and give back what came of them.
+
+    trials, seed: in place of those of the spec. workers: how many processes share the trials, by default as many as are
+    worth it; the numbers do not depend on it, and a script needs no ``__main__`` guard. out: the run's folder, which
+    must not be there or be empty; by default one that goes when the Run goes, unless :meth:`Run.save` keeps it.
+    progress: a bar on stderr, none, or what is called with the record of each trial as it ends. allow_code: of a spec
+    file, as for :func:`load`.
+
+    Raises DiagnosticError where the spec has faults, where the folder cannot be written to, or when none of the first
+    trials could begin; WorkerEndedError when a worker is killed. After these, as after KeyboardInterrupt, the trials
+    that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker.
+    """
+    _checked(workers)
+    if not isinstance(program, Program):
+        program = load(program, allow_code=allow_code)
+    program = with_trials(program, trials, seed)
+    if out is not None:
+        with _told_how_to_go_on(Path(out)):
+            return _carried_on(_begun(Path(out), program), workers, progress)
+    passing = Path(mkdtemp(prefix="graspdsl-"))
+    try:
+        made = _carried_on(_begun(passing / program.spec.name, program), workers, progress)
+    except BaseException as end:
+        shutil.rmtree(passing, ignore_errors=True)
+        if isinstance(end, STOPPED):
+            end.add_note("nothing is kept: name a folder, out=…, to be able to go on")
+        raise
+    weakref.finalize(made, shutil.rmtree, passing, ignore_errors=True)
+    return made
+
+
+def _begun(place: Path, program: Program) -> Run:
+    with reading(str(place)):
+        return Run(new_run(place, program), program)
+
+
+def resume(
+    path: Place, *, workers: int | None = None, progress: bool | OnRecord = True, allow_code: bool = False
+) -> Run:
+    """Run what is not finished of the run in a folder, as :func:`run` would have."""
+    _checked(workers)
+    begun = open_run(path, allow_code=allow_code)
+    with _told_how_to_go_on(begun.path):
+        return _carried_on(begun, workers, progress)
+
+
+def open_run(path: Place, *, allow_code: bool = False) -> Run:
+    """The run in a folder, finished or not, as it is now; ``allow_code``: whether Python files in it may be run, which
+    its spec names.
+
+    Raises DiagnosticError where there is none, or where it or its spec cannot be read or do not go together.
+    """
+    found, warnings = opened(Path(path), allow_code=allow_code)
+    warn(str(path), warnings)
+    return found
+
+
+def opened(path: Path, *, allow_code: bool = False) -> tuple[Run, list[Diagnostic]]:
+    """The run in a folder, and the warnings about it. Raises DiagnosticError as :func:`open_run`."""
+    with reading(str(path)):
+        folder = RunFolder.open(path, allow_code=allow_code)
+        text = folder.spec_text
+    with reading(str(path / SPEC), text):
+        program = program_of_run(folder)
+    with reading(str(path)):
+        return Run(folder, program), check_origin(folder, program)
+
+
+def _carried_on(begun: Run, workers: int | None, progress: bool | OnRecord) -> Run:
+    folder = begun.folder
+    with reading(str(folder.path)), folder.held():
+        finished = folder.finished()
+        if callable(progress):
+            tell = progress
+            execute(folder, workers, lambda trial: tell(trial.record), finished)
+        elif progress:
+            from graspdsl.api.progress import TrialProgress
+
+            with TrialProgress(folder.manifest.asked, finished) as bar:
+                execute(folder, workers, bar.advance, finished, bar.draw_again)
+        else:
+            execute(folder, workers, finished=finished)
+    return begun
+
+
+def _checked(workers: int | None) -> None:
+    if workers is not None and not 1 <= index(workers) <= MOST_WORKERS:
+        raise ValueError(f"workers: expected from 1 to {MOST_WORKERS} processes, found {workers}")
+
+
+@contextmanager
+def _told_how_to_go_on(place: Path) -> Iterator[None]:
+    try:
+        yield
+    except STOPPED as end:
+        end.add_note(on_one_line(f"finished trials are kept; to go on: graspdsl.resume({str(place)!r})"))
+        raise
+
+
+class Trials:
+    """The records of a run's finished trials, by number: ``trials[3]``; a loop over them goes by number."""
+
+    def __init__(self, records: Sequence[TrialRecord]) -> None:
+        self._records = {record.number: record for record in records}
+
+    def __getitem__(self, number: int) -> TrialRecord:
+        try:
+            return self._records[number]
+        except KeyError:
+            raise IndexError(f"trial {number} is not among the {len(self)} that are finished") from None
+
+    def __contains__(self, number: object) -> bool:
+        return number in self._records
+
+    def __iter__(self) -> Iterator[TrialRecord]:
+        return iter(self._records.values())
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def __repr__(self) -> str:
+        return f"<Trials: {', '.join(f'{record.number} {record.outcome}' for record in self)}>"
+
+
+class Columns(dict[str, npt.NDArray[Any]]):
+    """Arrays (n,) by name, a value for each of n trials; ``units``: the SI unit of each, empty for words."""
+
+    def __init__(self, arrays: Mapping[str, npt.NDArray[Any]], units: Mapping[str, str]) -> None:
+        super().__init__(arrays)
+        self.units = dict(units)
+
+    def __missing__(self, name: str) -> npt.NDArray[Any]:
+        raise KeyError(f"there is no {name!r}; {known_names_hint(name, self, 'columns')}")
+
+    def __repr__(self) -> str:
+        count = len(self["number"]) if self else 0
+        told = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
+        return f"<Columns of {counted(count, 'trial', 'trials')}: {', '.join(told)}>"
+
+
+class Run:
+    """A run: its trials, their trajectories, and what a report says of them. Made by :func:`run` or :func:`open_run`.
+
+    ``program``: what was run. What is asked for is worked out when it is first asked for.
+    """
+
+    def __init__(self, folder: RunFolder, program: Program) -> None:
+        self.folder, self.program = folder, program
+
+    @property
+    def path(self) -> Path:
+        """Its folder."""
+        return self.folder.path
+
+    @property
+    def name(self) -> str:
+        """The name of its spec."""
+        return self.folder.manifest.name
+
+    @cached_property
+    def trials(self) -> Trials:
+        """The finished trials, by number."""
+        with reading(str(self.path)):
+            return Trials(self.folder.records())
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """Its records with how their residuals went, which every report is made from."""
+        with reading(str(self.path)):
+            return evidence_of(self.folder, self.program)
+
+    @cached_property
+    def summary(self) -> Summary:
+        """Everything that a report says of it, as data: ``summary.outcomes``, ``summary.converged.share`` and so on."""
+        return summarised(self.evidence)
+
+    @cached_property
+    def claims(self) -> list[Claim]:
+        """What the chapter says of the experiment that was run, and what agrees; nothing of any other run."""
+        return claims_of(self.evidence, self.summary)
+
+    def trajectory(self, number: int) -> Trajectory:
+        """The trajectory of a finished trial. Raises IndexError for any other, DiagnosticError where it is lost."""
+        number = self.trials[number].number
+        with reading(str(self.path)):
+            return Trajectory(self.folder.trajectory(number, Layout.of(self.program)))
+
+    def columns(self) -> Columns:
+        """The records as arrays, a value a trial, with their ``units``; see :func:`graspdsl.trials.columns.columns_of`.
+
+        ``columns()["outcome"]``, ``["force_residual_end"]``, ``["start.roll"]``; NaN where there was no number.
+        """
+        found = columns_of(self.program, list(self.trials))
+        return Columns(
+            {name: column.values for name, column in found.items()},
+            {name: column.unit for name, column in found.items()},
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """The columns as a pandas DataFrame, with their units in ``attrs["units"]``.
+
+        Raises ImportError where pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError as error:
+            raise ImportError('to_dataframe needs pandas: pip install "graspdsl[pandas]"') from error
+        columns = self.columns()
+        frame = DataFrame(dict(columns))
+        frame.attrs["units"] = columns.units
+        return frame
+
+    @property
+    def figures(self) -> list[str]:
+        """The names of its figures."""
+        from graspdsl.report.page import drawings_of
+
+        return [drawing.name for drawing in drawings_of(self.evidence, self.summary)]
+
+    def figure(self, name: str) -> Figure:
+        """A figure of its report, drawn anew. Raises DiagnosticError for a name that is not among ``figures``."""
+        from graspdsl.report.page import drawings_of
+
+        found = {drawing.name: drawing.figure for drawing in drawings_of(self.evidence, self.summary)}
+        if name not in found:
+            message, hint = f"this run has no figure {name!r}", known_names_hint(name, found, "figures")
+            raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
+        return found[name]
+
+    def report(self) -> Path:
+        """Write its page, ``report.html``, and its figures into its folder; gives back where the page is.
+
+        Raises DiagnosticError where the folder cannot be written to.
+        """
+        from graspdsl.report.page import write_report
+
+        with reading(str(self.path)):
+            return write_report(self.evidence, self.summary, frames=self._frames(), claims=self.claims)
+
+    def _frames(self) -> dict[str, bytes]:
+        """A PNG picture of the end of one trial of each outcome, where one can be drawn."""
+        from graspdsl.trials.replay import frame
+
+        shown = {name: frame(self.folder, trial.number) for name, trial in representatives(self.trials).items()}
+        return {name: picture for name, picture in shown.items() if picture is not None}
+
+    def save(self, path: Place) -> Run:
+        """Copy it into a folder that is not there or is empty, where it stays; gives back the run that is there.
+
+        Raises DiagnosticError where that cannot be.
+        """
+        place = Path(path)
+        with reading(str(place)):
+            try:
+                if place.exists() and any(place.iterdir()):
+                    hint = "name another"
+                    raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint=hint)])
+                shutil.copytree(self.path, place, ignore=shutil.ignore_patterns(LOCK), dirs_exist_ok=True)
+            except OSError as error:
+                raise unwritable(error) from error
+            return Run(RunFolder.open(place, allow_code=self.folder.allow_code), self.program)
+
+    def __repr__(self) -> str:
+        asked, seed = self.folder.manifest.asked, self.folder.manifest.seed
+        good = sum(record.outcome == "converged" for record in self.trials)
+        done = f"{len(self.trials)} of {counted(asked, 'trial', 'trials')}"
+        return on_one_line(f"<Run {self.name}, seed {seed}: {done} finished, {good} converged; {self.path}>")
+
+    def __rich_console__(self, *_: object) -> Iterator[object]:
+        from graspdsl.api.console import shown
+
+        yield from shown(self.summary)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: whether it worked, how trials ended, and where grasps started and ended."""
+        from graspdsl.report.notebook import cell
+
+        return cell(self.evidence, self.summary)

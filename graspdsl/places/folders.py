@@ -1,0 +1,37 @@
+"""Folders of descriptions: YAML files that say what they describe, each beside its models and meshes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from graspdsl.diagnostics import Diagnostic, Span
+from graspdsl.places.files import read_text, refusal
+
+SUFFIXES = (".yaml", ".yml")
+
+
+def descriptions_in(place: Path, kind: str) -> list[Path]:
+    """The file of this name, or those of a folder that describe a kind of thing: YAML files with it for a key.
+
+    Raises DiagnosticError for a file that cannot be read, and where there is none.
+    """
+    if place.is_file():
+        return [place]
+    files = [path for path in sorted(place.glob("*")) if path.suffix in SUFFIXES]
+    found = [path for path in files if re.search(rf"^{kind}\s*:", read_text(path), re.MULTILINE)]
+    if not found:
+        message = f"there is no description of a {kind} in {place.name}"
+        raise refusal("nothing-described", message, f"put a YAML file there that begins with '{kind}: NAME'")
+    return found
+
+
+def told_of(file: str, faults: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Complaints about a file as they are told elsewhere: each begins with its place in it."""
+    return tuple(replace(fault, span=None, message=f"{_place(file, fault.span)}: {fault.message}") for fault in faults)
+
+
+def _place(file: str, span: Span | None) -> str:
+    return file if span is None else f"{file}:{span.line}:{span.column}"

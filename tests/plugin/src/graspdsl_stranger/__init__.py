@@ -1,0 +1,1 @@
+"""What a stranger adds to graspdsl: one thing of each kind, each in a file of its own."""
