@@ -65,11 +65,14 @@ def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = Fal
 @contextmanager
 def answering(as_json: bool = False) -> Iterator[None]:
     """What a command does within ends with the right exit code when its input is refused."""
-    from graspdsl.plugins.answering import answered_for
-
     try:
-        with answered_for():
+        try:
             yield
+        except BaseException:
+            from graspdsl.plugins.answering import answered_for  # which takes its time to import
+
+            with answered_for():
+                raise
     except DiagnosticError as error:
         name = error.name or "graspdsl"
         complain(name, error.source, error.diagnostics)

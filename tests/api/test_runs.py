@@ -251,7 +251,7 @@ def test_figures_have_names(run: g.Run) -> None:
     assert isinstance(first, Figure)
     assert first is not second
     first.savefig(io.BytesIO(), format="png")
-    assert first._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]  # what a notebook asks for
+    assert first._repr_png_().startswith(b"\x89PNG")  # what a notebook asks for
     with pytest.raises(g.DiagnosticError, match=r"has no figure 'funel'\n  hint: did you mean funnel\?"):
         run.figure("funel")
     with pytest.raises(g.DiagnosticError, match=r"hint: known figures: convergence, funnel, residuals-mode-1"):

@@ -173,7 +173,7 @@ class Long(Bullet):
 
             return observed
 
-        made.reset, made.step = lengthened(made.reset), lengthened(made.step)  # type: ignore[method-assign]
+        made.reset, made.step = lengthened(made.reset), lengthened(made.step)
         return made
 
 

@@ -136,6 +136,17 @@ def test_pybullet_is_not_loaded_before_a_bullet_world_is_built() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("option", ["--version", "--help"])
+def test_what_a_command_does_not_need_is_not_loaded(option: str) -> None:
+    code = (
+        f"import sys; from graspdsl.cli import main; sys.argv = ['graspdsl', '{option}']\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code\n"
+        "assert 'graspdsl.plugins.kinds' not in sys.modules and 'numpy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True)
+
+
+@pytest.mark.slow
 def test_colours_are_known_where_something_is_shown() -> None:
     assert {module for module in _importers("rich") if not _within("cli", {module})} == SHOWN
     assert all(_within("cli", _importers(library)) for library in ("typer", "click"))

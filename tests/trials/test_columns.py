@@ -39,7 +39,7 @@ def record(number: int, **given: object) -> TrialRecord:
             "ferrari-canny": {"epsilon": {"value": 0.7, "reason": ""}, "volume": {"value": None, "reason": "flat"}},
         },
     }
-    return TrialRecord(**{**made, **given})  # type: ignore[arg-type]
+    return TrialRecord(**{**made, **given})
 
 
 @pytest.fixture(scope="module")
