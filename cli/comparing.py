@@ -13,6 +13,7 @@ from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.diagnostics import on_one_line, reading
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables, methods_of
 from graspdsl.report.comparison_page import PAGE, write_comparison
+from graspdsl.report.sameness import said_of
 from graspdsl.report.summary import plain
 from graspdsl.trials.store import fresh_folder
 
@@ -38,5 +39,6 @@ def comparison_text(found: Comparison) -> str:
         for number, run in enumerate(found.runs, 1)
     ]
     parts: list[RenderableType] = [Text(writable(on_one_line(head)), overflow="fold") for head in heads]
+    parts += [part for said in said_of(found.sameness) for part in ("", Text(writable(said)))]
     parts += [part for made in comparison_tables(found) for part in ("", laid_out(made))]
     return text_of([*parts, "", *[Text(method) for method in methods_of(found)]])

@@ -17,9 +17,10 @@ from graspdsl.cli.tables import laid_out, text_of
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span, on_one_line, reading
 from graspdsl.places.document import parse_document
-from graspdsl.report.claims import EXPERIMENTS, Claim
+from graspdsl.report.claims import Claim
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.experiments_page import verdict, write_experiments
+from graspdsl.report.points import EXPERIMENTS
 from graspdsl.report.summary import plain
 from graspdsl.report.tables import Column, Table
 from graspdsl.trials.runner import new_run, pending

@@ -7,8 +7,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import rich.table
-from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.segment import Segment
 from rich.text import Text
 
@@ -42,7 +41,7 @@ class _Printable:
             yield Segment(printable(segment.text), segment.style, segment.control)
 
 
-def laid_out(made: Table) -> rich.table.Table:
+def laid_out(made: Table) -> Group:
     """A table for a terminal, in the characters that it can write."""
     return console.laid_out(made, writable)
 

@@ -23,13 +23,13 @@ from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.files import SpecFolder, read_text
 from graspdsl.plugins.adoption import adopted_all
 from graspdsl.report.writing import replace
-from graspdsl.spec.scene import InlineObject
+from graspdsl.spec.scene import GRAVITY, InlineObject
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import Label, annotated, png
 from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
 from graspdsl.worlds.kind import TABLE_FRICTION, TrialStudio
-from graspdsl.worlds.protocol import GRAVITY, UnstableObjectError
+from graspdsl.worlds.protocol import UnstableObjectError
 
 SIZE = (640, 480)
 PICTURES = 6  # of a trial

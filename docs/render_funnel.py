@@ -1,4 +1,4 @@
-"""Draw where the grasps of Experiment 1 begin and end: docs/images/funnel.png.
+"""Draw where the grasps of the main example begin and end: docs/images/funnel.png.
 
 Run it with the developers' tools installed: python docs/render_funnel.py
 """
@@ -18,12 +18,12 @@ from graspdsl.report.summary import summarised
 from graspdsl.trials.runner import execute, new_run
 
 ROOT = Path(__file__).resolve().parent.parent
-SPEC = ROOT / "specs/experiments/1_towel_roll_two_contacts.yaml"
+SPEC = ROOT / "specs/towel_roll_two_contacts.yaml"
 WIDTH = 720  # pixels
 
 
 def main() -> None:
-    """Run the experiment as its spec says and keep the figure of its report, smaller."""
+    """Run the example as its spec says and keep the figure of its report, smaller."""
     with tempfile.TemporaryDirectory() as place:
         folder = new_run(Path(place, "run"), program_of(SPEC.read_text("utf-8"), SPEC.name))
         execute(folder)

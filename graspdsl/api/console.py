@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import rich.table
 from rich.box import SIMPLE_HEAD
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from rich.text import Text
 
 from graspdsl.diagnostics import on_one_line
@@ -24,6 +24,9 @@ def summary_parts(summary: Summary, spelt: Spelling = str) -> Iterator[Renderabl
     for made in brief_tables(summary):
         yield Text()
         yield laid_out(made, spelt)
+    for fact in summary.known:
+        yield Text()
+        yield Text(spelt(f"Known beforehand: {fact}."), overflow="fold")
     yield Text()
     yield Text(f"Simulated {number(summary.world_s, 's', 0)} in {number(summary.wall_s, 's', 1)}.")
     yield Text(f"The run is in {on_one_line(summary.run)}; to repeat it:", overflow="fold")
@@ -35,11 +38,9 @@ def shown(summary: Summary) -> Iterator[RenderableType]:
     yield Text(on_one_line(f"  {summary.command}"), overflow="fold")
 
 
-def laid_out(made: Table, spelt: Spelling = str) -> rich.table.Table:
-    """A table for a terminal: words to the left, numbers to the right."""
-    listed = rich.table.Table(
-        title=made.title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, show_edge=False, pad_edge=False
-    )
+def laid_out(made: Table, spelt: Spelling = str) -> Group:
+    """A table for a terminal: words to the left, numbers to the right, title and note as wide as the terminal."""
+    listed = rich.table.Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for column in made.columns:
         to_the_left = column.left or column.format.words
         listed.add_column(
@@ -47,8 +48,8 @@ def laid_out(made: Table, spelt: Spelling = str) -> rich.table.Table:
         )
     for row in made.cells(with_units=True):
         listed.add_row(*(Text(spelt(on_one_line(cell.text))) for cell in row))
-    listed.caption, listed.caption_justify = made.note or None, "left"
-    return listed
+    title, note = Text(spelt(made.title), "bold"), Text(spelt(made.note), "table.caption")
+    return Group(title, listed, *([note] if made.note else []))
 
 
 def _head(summary: Summary) -> Iterator[RenderableType]:
@@ -61,6 +62,6 @@ def _head(summary: Summary) -> Iterator[RenderableType]:
         yield Text(f"{summary.outcomes.get('converged', 0)} of {finished} trials converged: {share}")
     if said := feasible(summary.starts):
         yield Text(f"That is {said}.")
-    if repeated := repetition(summary):
+    if repeated := repetition(summary.finished, summary.different):
         yield Text(repeated)
     yield Text(f"Converged: {conditions(converged.means)}.")

@@ -34,7 +34,7 @@ _FIELDS: Mapping[str, tuple[str, tuple[int | str, ...]]] = {
     "centre_of_mass": ("m", (3,)),
     "weight": ("N", (3,)),
 }
-_TICK = {"force_residual": "1", "moment_residual": "m", "force_error": "N", "leaks": "1", "ranks": "1", "locked": "1"}
+_TICK = {"force_residual": "1", "moment_residual": "m", "force_error": "N", "ranks": "1", "locked": "1"}
 
 
 def compile(
@@ -94,8 +94,9 @@ class Controller:
         """What to do now: ``tick.command``, and what was measured on the way.
 
         ``force_residual`` (3,) and ``moment_residual`` (3,) [m] are ρ_f and ρ_m of the grasp's contacts as sensed,
-        ``force_error`` [N] the largest distance of a contact force from its reference, ``leaks`` what of each lower
-        priority reaches a higher one, ``ranks`` the dimensions of the null spaces, ``locked`` the joints at a limit.
+        ``force_error`` [N] the largest distance of a contact force from its reference, ``ranks`` the dimensions of the
+        null spaces below the levels that others are subject to, ``disturbances`` how far the command takes what each of
+        these senses from where that level alone would have taken it, ``locked`` the joints at a limit.
         Raises ValueError, saying what was expected, for an observation of other shapes, or one in which what is read is
         no finite number or a normal is no unit vector.
         """
@@ -127,7 +128,9 @@ class Controller:
     def units(self) -> dict[str, str]:
         """The units of what an observation and a tick hold, by name."""
         command = _FIELDS["joints"][0] if self.space == "q" else "m"
-        return {name: unit for name, (unit, _) in _FIELDS.items()} | {"command": command} | _TICK
+        disturbances = ", ".join(priority.effect_unit for priority in self.pipeline.priorities)
+        units = {name: unit for name, (unit, _) in _FIELDS.items()}
+        return units | {"command": command, "disturbances": disturbances} | _TICK
 
     @property
     def shapes(self) -> dict[str, tuple[int, ...]]:

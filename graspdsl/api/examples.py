@@ -11,7 +11,8 @@ from graspdsl.basis.rotations import logarithm
 from graspdsl.compiler.program import Program
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FINE, FingertipMotion
-from graspdsl.worlds.protocol import GRAVITY, Observation
+from graspdsl.spec.scene import GRAVITY
+from graspdsl.worlds.protocol import Observation
 
 FORCE = 1.0  # N, of each contact
 MASS = 0.5  # kg, of a ball that is held

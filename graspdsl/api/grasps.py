@@ -15,8 +15,9 @@ from graspdsl.arrays import Array
 from graspdsl.basis.sensors import measuring
 from graspdsl.quality import ferrari_canny as measure
 from graspdsl.quality import force_closure as test
-from graspdsl.quality.contact_models import DEFAULT_EDGES, HardPoint, SoftFinger
+from graspdsl.quality.contact_models import contact_model
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
+from graspdsl.spec.grading import DEFAULT_EDGES, ContactKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,17 +78,19 @@ def force_closure(
     normals: npt.ArrayLike,
     friction: float,
     *,
-    torsion: float = 0.0,
+    contact: ContactKind | None = None,
+    torsion: float | None = None,
     edges: int = DEFAULT_EDGES,
 ) -> test.ForceClosure:
     """Whether contacts can balance any wrench on the object, by how much, and if not why.
 
-    points, normals: (k, 3). friction: Coulomb's coefficient (1); torsion [m]: above 0 for soft fingers, which also
-    resist turning about the normal by so many N·m a newton. Friction cones are pyramids of so many ``edges`` within
-    them. Raises ValueError for other shapes, numbers that are not finite, coefficients below 0 and normals that are no
-    unit vectors.
+    points, normals: (k, 3). friction: Coulomb's coefficient (1). contact, torsion [m] and edges are the conventions
+    that a spec has under ``grading``, with the same defaults: no more than two contacts are soft fingers, which also
+    resist turning about the normal by ``torsion`` N·m a newton, by default (3π/16) μ a of a patch of a = 2.8 mm, and
+    more are hard points unless a torsion is given. Friction cones are pyramids of so many ``edges`` within them. Raises
+    ValueError for other shapes, numbers that are not finite, coefficients below 0 and normals that are no unit vectors.
     """
-    return test.force_closure(_wrenches(points, normals, friction, torsion, edges))
+    return test.force_closure(_wrenches(points, normals, friction, contact, torsion, edges))
 
 
 def ferrari_canny(
@@ -95,33 +98,37 @@ def ferrari_canny(
     normals: npt.ArrayLike,
     friction: float,
     *,
-    torsion: float = 0.0,
+    contact: ContactKind | None = None,
+    torsion: float | None = None,
     edges: int = DEFAULT_EDGES,
     about: npt.ArrayLike | None = None,
     length: float | None = None,
 ) -> measure.FerrariCanny:
     """Ferrari and Canny's ε, the largest wrench that contacts resist in every direction (L1), and the volume of all.
 
-    points, normals, friction, torsion and edges as for :func:`force_closure`. about: (3,) [m], what moments are taken
-    about, by default the contacts' centroid (give the object's centre of mass to judge how it can be held); length [m]:
-    what moments are divided by, by default the largest distance of a contact from there. ``epsilon.value`` and
+    points, normals, friction, contact, torsion and edges as for :func:`force_closure`. about: (3,) [m], what moments
+    are taken about, by default the contacts' centroid (give the object's centre of mass to judge how it can be held);
+    length [m]: the torque scale, what moments are divided by. The object is not known here, so that it is by default
+    the largest distance of a contact from there: to compare grasps give one for all, as a run does with the object's
+    radius of gyration. ``epsilon.value``, ``shortfall.value``, the share of ε that the pyramids may leave out, and
     ``volume.value`` come with a ``reason`` where they are zero or None. Raises ValueError as :func:`force_closure`.
     """
     reference = None if about is None else _given("about", about, (3,))
-    return measure.ferrari_canny(_wrenches(points, normals, friction, torsion, edges, reference, length))
+    return measure.ferrari_canny(_wrenches(points, normals, friction, contact, torsion, edges, reference, length))
 
 
 def _wrenches(
     points: npt.ArrayLike,
     normals: npt.ArrayLike,
     friction: float,
-    torsion: float,
+    contact: ContactKind | None,
+    torsion: float | None,
     edges: int,
     reference: Array | None = None,
     length: float | None = None,
 ) -> WrenchSpace:
     places, directions = _contacts(points, normals)
-    model = SoftFinger(friction, torsion, edges) if torsion else HardPoint(friction, edges)
+    model = contact_model(contact, len(places), friction, torsion, edges)
     return wrench_space(places, directions, model, reference=reference, length=length)
 
 

@@ -231,7 +231,7 @@ class Run:
     @cached_property
     def claims(self) -> list[Claim]:
         """What the chapter says of the experiment that was run, and what agrees; nothing of any other run."""
-        return claims_of(self.evidence, self.summary)
+        return claims_of(self.evidence)
 
     def trajectory(self, number: int) -> Trajectory:
         """The trajectory of a finished trial. Raises IndexError for any other, DiagnosticError where it is lost."""

@@ -23,18 +23,25 @@ class Effector(Entry):
     """An effector transform: ``reads`` names its inputs, fields of an Observation or what the compiler makes of them.
 
     On the surface the k contacts move by (2k,) coordinates, in Cartesian space by a (3k,) displacement; in rotation
-    space all turn as one, by (3,) exponential coordinates; in joint space the n joints move.
+    space all turn as one, by (3,) exponential coordinates; in joint space the n joints move. ``parts``: the transforms
+    that stand above one another in it, each of a potential of its own, moments over the curvature radius. To one that
+    ``weighs_sensed`` it matters what contacts sense that do not move. One of forces that contacts answer with takes
+    them for of unit stiffness: ``pressed`` is the unit of what it then is a Jacobian of.
     """
 
     gradient_space: ClassVar[GradientSpace]
     reads: ClassVar[tuple[str, ...]]
+    parts: ClassVar[tuple[str, ...]] = ()
+    weighs_sensed: ClassVar[bool] = False
+    pressed: ClassVar[str] = ""
 
     @abstractmethod
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """τ, (..., d, D): rows of the task space, columns of the gradient space.
 
         mixing: (m, k) in joint space, (s, n) for joint sets; in rotation space (2, k), the weights in Γσ of the points
-        and of the normals that turn; weights (k,) otherwise.
+        and of the normals that turn; weights (k,) otherwise, and (2, k), those in Γτ and in Γσ, for one that
+        ``weighs_sensed``.
         """
 
 
@@ -89,6 +96,7 @@ class WrenchResidualSurface(Effector):
     equation = "Sec. 4.1.3"
     gradient_space = GradientSpace.SURFACE
     reads = ("normals", "frames", "stretch", "curvature_radius")
+    parts = ("τ_fr", "τ_mr")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Force rows above moment rows, shape (..., 6, 2k)."""
@@ -139,6 +147,7 @@ class WrenchResidualDisplacement(Effector):
     equation = "Sec. 4.1.3"
     gradient_space = GradientSpace.CARTESIAN
     reads = ("normals", "frames", "stretch", "curvature_radius")
+    parts = ("τ_frx", "τ_mrx")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Force rows above moment rows, shape (..., 6, 3k)."""
@@ -146,6 +155,39 @@ class WrenchResidualDisplacement(Effector):
         moment = moment_by_surface(mixing, normals, frames, radius) / radius
         both = np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2)
         return in_columns(both @ surface_by_cartesian(frames, radius))
+
+
+class WrenchResidualOverSurface(Effector):
+    """τ_wsx: the derivative of the net wrench as contacts slide over the surface as it is, not over a model of it
+    (Sec. 4.1.3), (..., 6, 3k) [1/m].
+
+    By δx_i, its part P_i = I − n_i n_iᵀ along the surface, an inward normal turns by −S_i δx_i, S_i the shape operator
+    of the outward one; a lever grows by δx_i; and the point c that moments are taken about goes by g_i δx_i:
+
+        ∂ρ_f/∂x_i = −w_i S_i
+        ∂ρ_m/∂x_i = −w_i ([n_i]× P_i + [x_i − c]× S_i) + g_i [ρ_f]× P_i
+
+    with w_i the weights in Γτ and ρ_f the net force over Γσ. So φ_w is what falls, by −k ∇ε_w along the surface, and
+    where it stops is a local minimum of ε_w itself.
+    """
+
+    symbol = "τ_wsx"
+    about = "net wrench by contact displacements, over the surface as it is curved"
+    equation = "Sec. 4.1.3"
+    gradient_space = GradientSpace.CARTESIAN
+    reads = ("points", "normals", "origin", "origin_shares", "shape_operators", "curvature_radius")
+    weighs_sensed = True
+
+    def evaluate(self, mixing: Array, *inputs: Array) -> Array:
+        """Force rows above moment rows over r, shape (..., 6, 3k)."""
+        points, normals, origin, shares, operators, radius = inputs
+        (moved, sensed), count = mixing, len(shares)
+        net, inward = skew(sensed @ normals)[..., None, :, :], normals[..., :count, :]
+        levers, weights = points[..., :count, :] - origin[..., None, :], moved[:count, None, None]
+        along = np.eye(3) - inward[..., :, None] * inward[..., None, :]
+        carried = np.where(weights > 0.0, shares[:, None, None], 0.0) * (net @ along)
+        moment = carried - weights * (skew(inward) @ along + skew(levers) @ operators)
+        return in_columns(np.concatenate([-weights * operators, moment / radius], axis=-2))
 
 
 class ResidualRotation(Effector):
@@ -249,6 +291,7 @@ class ForceJacobian(Effector):
     about = "contact forces by joint displacements, for unit stiffness"
     equation = "4.21"
     gradient_space = GradientSpace.JOINTS
+    pressed = "m"
     reads = ("jacobian", "normals")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
@@ -265,6 +308,7 @@ class MomentJacobian(Effector):
     about = "moments of contact forces by joint displacements, for unit stiffness"
     equation = "Sec. 3.1.2"
     gradient_space = GradientSpace.JOINTS
+    pressed = "m²"
     reads = ("jacobian", "normals", "points", "origin")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
@@ -306,6 +350,7 @@ EFFECTORS: dict[str, Effector] = {
         MomentResidualRotation(),
         WrenchResidualSurface(),
         WrenchResidualDisplacement(),
+        WrenchResidualOverSurface(),
         PositionJacobian(),
         OrientationJacobian(),
         ForceJacobian(),

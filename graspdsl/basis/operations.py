@@ -92,15 +92,39 @@ def limited(limit: Array | float, vector: Array) -> Array:
     return np.asarray(vector / np.maximum(1.0, length / limit))
 
 
-def capped(cap: float, displacement: Array) -> Array:
-    """Contact displacements (..., 3k), all shortened alike so that no contact moves further than ``cap`` [m]."""
+def excess(cap: float, displacement: Array) -> Array:
+    """How many times the farthest of contact displacements (..., 3k) is as long as ``cap`` [m], at least one: (...)."""
     longest = np.sqrt(np.einsum("...ki,...ki->...k", by_contact(displacement), by_contact(displacement))).max(axis=-1)
-    return np.asarray(displacement / np.maximum(1.0, longest / cap)[..., None])
+    return np.asarray(np.maximum(1.0, longest / cap))
 
 
-def capped_rows(cap: float, displacement: Array) -> Array:
-    """As :func:`capped`, for displacements (..., k, 3)."""
-    return by_contact(capped(cap, flat(displacement)))
+def shortened(displacement: Array, excess: Array) -> Array:
+    """Contact displacements (..., 3k), all shortened alike, by how many times (...) they are too long."""
+    return np.asarray(displacement / excess[..., None])
+
+
+def by_displacement(jacobian: Array, frames: Array, radius: Array) -> Array:
+    """A Jacobian (..., d, 2k) by surface coordinates as one by displacements, J Tᵀ / r, (..., d, 3k) (Eq. 4.27)."""
+    blocks = jacobian.reshape(*jacobian.shape[:-1], -1, 2)
+    moved = np.einsum("...dkj,...kij->...dki", blocks, frames) / radius
+    return np.asarray(moved.reshape(*moved.shape[:-2], -1))
+
+
+def by_joints(effect: Array, jacobian: Array) -> Array:
+    """A Jacobian (..., d, 3k) by displacements of the contacts as one by joints, with theirs (..., k, 3, n)."""
+    return np.asarray(effect @ jacobian.reshape(*jacobian.shape[:-3], -1, jacobian.shape[-1]))
+
+
+def by_turning(weights: Array, effect: Array, angular_jacobian: Array) -> Array:
+    """A Jacobian (..., d, 3) by a turn of all contacts as one by joints: theirs (..., k, 3, n), meaned by weights (k,),
+    as contacts of one rigid body turn alike."""
+    return np.asarray(effect @ np.einsum("k,...kij->...ij", weights, angular_jacobian))
+
+
+def of_the_model_sphere(normals: Array, radius: Array) -> Array:
+    """Shape operators (I − n nᵀ) / r [1/m], (..., k, 3, 3), of a sphere that contacts with normals (..., k, 3) touch:
+    where the surface is not known."""
+    return np.asarray((np.eye(3) - normals[..., :, None] * normals[..., None, :]) / radius)
 
 
 def from_surface(frames: Array, radius: Array, coordinates: Array) -> Array:
@@ -124,22 +148,6 @@ def gradient_projector(*gradients: Array) -> Array:
 
 
 VANISHED = 1e-9  # of a displacement [m, or rad over a weight] a tick
-
-
-def leak(higher: Array, lower: Array, projected: Array) -> Array:
-    """How much of a lower displacement δ (..., D) a higher task (..., d, D) still feels after its projection to N δ.
-
-    ‖J N δ‖ / (‖J‖ ‖δ‖), 0 for perfect priority and at most 1; 0 where nothing moves.
-    """
-    felt = np.linalg.norm(times(higher, projected), axis=-1)
-    scale = np.linalg.norm(higher, axis=(-2, -1)) * np.linalg.norm(lower, axis=-1)
-    return np.asarray(np.where(scale > 0.0, felt / np.where(scale > 0.0, scale, 1.0), 0.0))
-
-
-def gradient_leak(higher: Array, lower: Array, projected: Array) -> Array:
-    """The leak into a single higher gradient (..., D); none into one that has all but vanished."""
-    present = np.linalg.norm(higher, axis=-1) > VANISHED
-    return np.where(present, leak(higher[..., None, :], lower, projected), 0.0)
 
 
 def pressing(admittance: float, fastest: float, error: Array, touching: Array) -> Array:

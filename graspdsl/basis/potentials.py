@@ -56,7 +56,8 @@ class Potential(Entry):
 
     ``lowers``: the end conditions of a phase that it works towards, by their names in a spec. One that ``is_residual``
     is of the net of a set of contacts, which then is the grasp that a phase is judged by. ``normal_to``: the potentials
-    to which its gradient is at right angles where all contacts are controlled alike.
+    to which its gradient is at right angles where all contacts are controlled alike. One that ``adds_up`` asks contacts
+    for what adds up on the object, as forces do: members of a virtual contact can share it.
     """
 
     space: ClassVar[TaskSpace]
@@ -71,6 +72,7 @@ class Potential(Entry):
     lowers: ClassVar[tuple[str, ...]] = ()
     is_residual: ClassVar[bool] = False
     normal_to: ClassVar[tuple[str, ...]] = ()
+    adds_up: ClassVar[bool] = False
 
     @abstractmethod
     def value(self, error: Array) -> Array:
@@ -161,6 +163,7 @@ class Force(HalfSquared):
     references = ("σ_f", "σ_n")
     law = Pressing()
     lowers = ("force_error",)
+    adds_up = True
 
 
 class WrenchResidual(Residual):
@@ -172,7 +175,7 @@ class WrenchResidual(Residual):
     equation = "Sec. 4.1.3"
     space = NET_WRENCH
     sensors = ("σ_w",)
-    effectors = ("τ_w", "τ_wx")
+    effectors = ("τ_w", "τ_wx", "τ_wsx")
     lowers = ("force_residual", "moment_residual")
 
 
@@ -203,6 +206,7 @@ class Moment(HalfSquared):
     effectors = ("τ_m",)
     references = ("σ_m",)
     law = Pressing(of_moments=True)
+    adds_up = True
 
 
 class PostureDistance(HalfSquared):

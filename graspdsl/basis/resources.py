@@ -51,6 +51,11 @@ class ContactSet:
         return total
 
     @property
+    def shares(self) -> Array:
+        """(m,): Σ w² of each resource, the mean of its contacts' forces where each presses with its share w of one."""
+        return np.array([sum(weight**2 for _, weight in member.weights) for member in self.members])
+
+    @property
     def turning(self) -> Array:
         """(2, k), (2, k + 1) with gravity: the weights of the points and of the normals that turn with a held object.
 
@@ -59,6 +64,12 @@ class ContactSet:
         normals = self.weights
         normals[self.count :] = 0.0
         return np.stack([self.weights, normals])
+
+    def beside(self, moved: ContactSet) -> Array:
+        """(2, k), (2, k + 1) with gravity: the weights in a set whose contacts move, and those in this one."""
+        weights = np.zeros((2, len(self.weights)))
+        weights[0, : moved.count], weights[1] = moved.weights[: moved.count], self.weights
+        return weights
 
     @property
     def without_gravity(self) -> ContactSet:

@@ -48,6 +48,7 @@ class Declarations:
     A name or a parameter that could not be read, which has had its complaint, is None. ``unread`` are the names of
     resources whose declarations are no texts, which have had theirs too. ``holds`` and ``senses_gravity``: whether the
     object is held, and where its centre of mass is known; where the object or the world could not be read, they may be.
+    ``weightless``: whether there is no gravity.
     """
 
     hand: SourceText | None
@@ -58,6 +59,7 @@ class Declarations:
     names_hand: bool = False
     holds: bool = False
     senses_gravity: bool = True
+    weightless: bool = False
     displacement: str = "sliding"
     resources: tuple[Declaration, ...] = ()
     controllers: tuple[Declaration, ...] = ()
@@ -93,6 +95,7 @@ def declarations_of(spec: Spec, document: Document) -> Declarations:
         names_hand=document.has(HAND),
         holds=holds,
         senses_gravity=world is None or world.knows_object or holds,
+        weightless=scene.gravity == 0.0 and (world is None or world.has("weight")),
         displacement=spec.control.displacement or "sliding",
         resources=_entries(document, "resources", spec.resources),
         controllers=_entries(document, "controllers", spec.controllers),

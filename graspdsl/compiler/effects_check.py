@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 from operator import attrgetter
 from typing import get_args
@@ -56,7 +56,7 @@ def check_effects(
     ``motion``: None where contacts have no hand; ``phases``: one for each of the spec's, None for a faulty one;
     ``body``: None when the object is not known.
     """
-    check = _Check(spec, robot, motion, target_of(spec, robot), body, document, complaints)
+    check = _Check(spec, robot, motion, target_of(spec, robot, body), body, document, complaints)
     compiled = list[Pipeline]()
     for index, (settings, phase) in enumerate(zip(spec.program, phases, strict=True)):
         check.times(index, settings, phase)
@@ -223,14 +223,18 @@ class _Check:
             if not _asks_forces(node) or not isinstance(resources, ContactSet):
                 continue
             if isinstance(reference, SensorReference) and reference.sensor.makes_forces:
-                for contact in resources.contacts:
-                    label = reference.parameter or reference.label
-                    yield _Pressed(reference.factor, contact, label, reference.parameter)
+                sizes, parameter = [reference.factor] * len(resources.members), reference.parameter
             elif isinstance(reference, VectorReference):
-                rows = np.array(reference.values).reshape(-1, 3)
-                for member, row in zip(resources.members, rows, strict=True):
-                    for contact in {contact for contact, _ in member.weights} & {*resources.contacts}:
-                        yield _Pressed(float(np.linalg.norm(row)), contact, reference.label, reference.label)
+                sizes = np.linalg.norm(np.array(reference.values).reshape(-1, 3), axis=1).tolist()
+                parameter = reference.label
+            else:
+                continue
+            shared = self.spec.control.virtual_forces == "shared"
+            for member, size in zip(resources.members, sizes, strict=True):
+                for contact, weight in member.weights:
+                    if contact in resources.contacts:
+                        pressed = size * weight if shared else size
+                        yield _Pressed(pressed, contact, parameter or reference.label, parameter)
 
     def forces(self, phases: Sequence[CheckedPhase | None]) -> None:
         """Forces beyond what the fingers can press with, and those under which a touch ends."""
@@ -295,7 +299,7 @@ class _Check:
         field, value = Control.model_fields[name], getattr(self.spec.control, name)
         others = get_args(field.annotation) if isinstance(value, str) else (2.0 * value if value else 1.0,)
         changed = (self.spec.control.model_copy(update={name: other}) for other in others if other != value)
-        targets = (target_of(self.spec.model_copy(update={"control": control}), self.robot) for control in changed)
+        targets = (replace(self.target, control=control) for control in changed)
         compiled = ([pipeline for phase in phases for pipeline in phase.pipelines(target)] for target in targets)
         return any(_numbers(pipelines) != as_set for pipelines in compiled)
 

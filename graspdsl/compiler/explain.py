@@ -19,9 +19,9 @@ from graspdsl.compiler.graph import (
     ControllerReference,
     SensorReference,
     VectorReference,
-    compositions_in,
     controllers_in,
 )
+from graspdsl.compiler.known import facts_about, protection, reference_of, summed_plainly, written
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
 from graspdsl.compiler.program import Program
@@ -58,19 +58,18 @@ class Explanation:
     def pipeline(self) -> str:
         """The numerical steps, as trees from the command and from what is monitored down to what is read; a step shown
         before is only named."""
-        return "\n".join(
-            _pipeline_tree(pipeline, shapes) for pipeline, shapes in zip(self.pipelines, self.shapes, strict=True)
-        )
+        return "\n".join(_pipeline_tree(*each) for each in zip(self.pipelines, self.shapes, self._plain(), strict=True))
 
     def text(self) -> str:
         """All of it, for a terminal."""
         rows = [f"formula    {self.unicode()}", f"ASCII      {self.ascii()}"]
-        rows += [f"stands for {_written(graph)}" for graph in self.phase.stages]
+        rows += [f"stands for {written(graph)}" for graph in self.phase.stages]
         if self.executed != self.phase.stages:
-            rows += [f"runs as    {_written(graph)}" for graph in self.executed]
+            rows += [f"runs as    {written(graph)}" for graph in self.executed]
         rows += [f"runs       {self._pace()}"]
         rows += ["", "definitions", *map(_definition, self.phase.uses)] if self.phase.uses else []
         rows += ["", "resources", *self._resources(), "", "controllers, highest priority first", self.tree(), ""]
+        rows += [f"priority: {said}" for said in self.protected()]
         rows += [f"note: {note}" for note in self.notes()]
         rows += ["", "pipeline", self.pipeline()]
         return "\n".join(rows)
@@ -80,8 +79,8 @@ class Explanation:
         return {
             "unicode": self.unicode(),
             "ascii": self.ascii(),
-            "stands_for": [_written(graph) for graph in self.phase.stages],
-            "runs_as": [_written(graph) for graph in self.executed],
+            "stands_for": [written(graph) for graph in self.phase.stages],
+            "runs_as": [written(graph) for graph in self.executed],
             "rate": self.target.rate,
             "displacement": self.target.control.displacement,
             "definitions": [
@@ -93,6 +92,7 @@ class Explanation:
                 }
                 for definition in self.phase.uses
             ],
+            "priorities": self.protected(),
             "notes": self.notes(),
             "gradient_space": [graph.gradient_space.value for graph in self.executed],
             "controllers": [[_node(node) for node in controllers_in(graph)] for graph in self.executed],
@@ -108,15 +108,7 @@ class Explanation:
     def notes(self) -> list[str]:
         """What is worth knowing of the formula before it is run."""
         control = self.target.control
-        by_gradient = control.nullspace == "gradient" and control.surface == "tangent"
-        sums = [
-            inner for graph in self.executed for inner in compositions_in(graph) if by_gradient and _is_plain_sum(inner)
-        ]
-        return [
-            f"◁ is a plain sum in {_written(graph)}: with all contacts controlled and equal weights the two gradients "
-            "are at right angles, so the projector takes nothing away"
-            for graph in sums
-        ]
+        return [str(fact) for graph in self.executed for fact in facts_about(graph, control)]
 
     def _resources(self) -> list[str]:
         contacts, joints = [*self.target.robot.contacts, "gravity"], list(self.target.robot.joints)
@@ -145,6 +137,20 @@ class Explanation:
             return f"once a probe, {rate} for joint displacements"
         return f"{rate}, {self.target.world.pace}"
 
+    def protected(self) -> list[str]:
+        """What is kept of each level from those below it."""
+        kept = f"is kept from what is below: {protection(self.target.control)}"
+        return [
+            f"of {one.controller.potential.symbol} "
+            + ("nothing has to be kept from what is below: ◁ is a plain sum" if one.controller in plain else kept)
+            for made, plain in zip(self.pipelines, self._plain(), strict=True)
+            for one in made.priorities
+        ]
+
+    def _plain(self) -> list[set[ControllerNode]]:
+        """The controllers of each stage that a ◁ which is a plain sum joins."""
+        return [summed_plainly(graph, self.target.control) for graph in self.executed]
+
     def _stage(self, graph: ControllerGraph, name: str) -> str:
         rows = [f"  {name}"] if len(self.phase.stages) > 1 else []
         rows += _graph(graph, "  ")
@@ -165,42 +171,8 @@ def explained(program: Program) -> tuple[Explanation, ...]:
     )
 
 
-def _is_plain_sum(graph: Composition) -> bool:
-    """Σ (P_i F)·(f_i × M) = F·(F × M) = 0: force and moment residual of the same contacts, each with weight one."""
-    nodes = [term for term in graph.terms if isinstance(term, ControllerNode)]
-    potentials = {node.potential.symbol: node.potential for node in nodes}
-    normal = [{symbol, other} for symbol, known in potentials.items() for other in known.normal_to]
-    if set(potentials) not in normal or len(nodes) != len(graph.terms):
-        return False
-    sets = [resources for node in nodes for resources in _sets(node)]
-    return all(
-        isinstance(resources, ContactSet)
-        and not resources.has_virtual
-        and not resources.has_gravity
-        and resources.same_as(sets[0])
-        for resources in sets
-    )
-
-
 def _sets(node: ControllerNode) -> list[ContactSet | JointSet]:
     return [node.effector_resources, node.sensor_resources]
-
-
-def _written(graph: ControllerGraph) -> str:
-    """A graph as a formula without abbreviations."""
-    if isinstance(graph, Composition):
-        parts = [f"({_written(t)})" if isinstance(t, Composition) else _written(t) for t in graph.terms]
-        return " ◁ ".join(parts)
-    return graph.label + (f" ({_reference(graph)})" if graph.reference else "")
-
-
-def _reference(node: ControllerNode) -> str:
-    match node.reference:
-        case VectorReference(label) | SensorReference(label):
-            return label
-        case ControllerReference(controller):
-            return _written(controller)
-    return ""
 
 
 def _graph(graph: ControllerGraph, indent: str) -> list[str]:
@@ -248,11 +220,11 @@ def _node(node: ControllerNode) -> dict[str, Any]:
         "task_space": node.potential.space.about,
         "gradient_space": node.gradient_space.value,
         "equations": [node.potential.equation, node.sensor.equation, node.effector.equation],
-        "reference": _reference(node) or None,
+        "reference": reference_of(node) or None,
     }
 
 
-def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...]) -> str:
+def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plain: set[ControllerNode]) -> str:
     rows: list[str] = []
     shown: set[int] = set()
 
@@ -274,10 +246,16 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...]) -> s
     if pipeline.force_error is not None:
         monitored["force error"] = pipeline.force_error
     rows.append("  monitored: " + ", ".join(f"{name} [{step}]" for name, step in monitored.items()))
-    for step in (*monitored.values(), *pipeline.ranks, *(leak.step for leak in pipeline.leaks)):
+    certified = [step for one in pipeline.priorities for step in (one.rank, one.sensed, one.effect, one.alone)]
+    for step in (*monitored.values(), *certified):
         if step not in shown:
             add(step, "    ", "    ")
-    rows += [f"  certified: [{leak.step}] {leak.lower} does not reach {leak.higher}" for leak in pipeline.leaks]
+    rows += [
+        f"  certified: {one.controller.potential.symbol}, {one.controller.sensor.symbol} [{one.sensed}] in {one.unit}: "
+        f"how it goes on, against its Jacobian [{one.effect}] by the command without what is below it [{one.alone}]"
+        + ("; ◁ is a plain sum, which takes nothing away" if one.controller in plain else "")
+        for one in pipeline.priorities
+    ]
     reads = [step.label for step in pipeline.steps if step.reading]
     rows.append(f"  {len(pipeline.steps)} steps; read once: {', '.join(reads)}")
     return "\n".join(rows)

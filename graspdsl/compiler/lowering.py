@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -13,7 +13,7 @@ from graspdsl.basis import operations
 from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
 from graspdsl.basis.effectors import Effector
 from graspdsl.basis.laws import Slope
-from graspdsl.basis.potentials import Difference
+from graspdsl.basis.potentials import STRAIGHT, Difference
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.sensors import Sensor, measuring
 from graspdsl.basis.spaces import GradientSpace
@@ -25,8 +25,9 @@ from graspdsl.compiler.graph import (
     SensorReference,
     VectorReference,
 )
-from graspdsl.compiler.pipeline import Leak, Pipeline, PipelineBuilder, Projection
+from graspdsl.compiler.pipeline import Pipeline, PipelineBuilder, Priority, Projection
 from graspdsl.compiler.settings import Target
+from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import joint_limits
 
 READINGS = {
@@ -44,20 +45,32 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A lowered controller: the steps of its displacement −k∇ and of the Jacobian of its task.
+    """A lowered controller, or a chain of them: the steps of its displacement −k∇ and of the Jacobian of its task.
 
-    ``within``: the levels of a chain that stands in brackets or behind a name; what is lower must spare each of them.
+    ``single``: the levels of a chain, highest first, of which what is lower must spare each; ``sums``: their
+    displacements, each with all above it; ``ranks``: of the null spaces below all but the last.
     """
 
     label: str
     displacement: int
     task: int
-    within: tuple[Level, ...] = ()
+    single: tuple[SingleLevel, ...]
+    sums: tuple[int, ...]
+    ranks: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SingleLevel:
+    """A lowered controller: the steps of its displacement −k∇ and of the Jacobian of its task."""
+
+    controller: ControllerNode
+    displacement: int
+    task: int
 
     @property
-    def single(self) -> tuple[Level, ...]:
-        """The levels without chains: those within, or this one."""
-        return self.within or (self,)
+    def label(self) -> str:
+        """As its potential is written."""
+        return self.controller.potential.symbol
 
 
 def compile_controller(graph: ControllerGraph, grasp: ContactSet, target: Target) -> Pipeline:
@@ -91,6 +104,12 @@ class _Bench(PipelineBuilder):
         rows: Array = np.eye(resources.matrix.shape[1])[chosen]
         return rows
 
+    def shares(self, resources: ContactSet) -> Array:
+        """The share (m,) of what is asked of its resource that each row of :meth:`mixing` has."""
+        if self.control.virtual == "common":
+            return resources.shares
+        return np.array([weight for member in resources.members for _, weight in member.weights])
+
     def fingers(self, resources: ContactSet) -> Array:
         robot = self.target.robot
         return np.array(
@@ -119,26 +138,8 @@ class _Bench(PipelineBuilder):
 
     def effector(self, effector: Effector, resources: ContactSet | JointSet, sensed: ContactSet | JointSet) -> int:
         """τ(Γτ) of a controller that senses ``sensed``, in joint space with a row for each of its rows."""
-        space = effector.gradient_space
-        label, with_gravity = f"{effector.symbol}({resources.label})", False
-        if isinstance(resources, JointSet):
-            assert isinstance(sensed, JointSet)
-            mixing = sensed.matrix * resources.mask
-        elif space is GradientSpace.ROTATION:
-            assert isinstance(sensed, ContactSet)
-            mixing, with_gravity = sensed.turning, sensed.has_gravity
-        else:
-            assert isinstance(sensed, ContactSet)
-            mixing = self.mixing(sensed) if space is GradientSpace.JOINTS else resources.weights
-        step = self.apply(
-            label,
-            f"{effector.about}, {effector.source}",
-            partial(effector.evaluate, mixing),
-            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in effector.reads],
-        )
-        if self.held and "angular_jacobian" in effector.reads:
-            turning = partial(np.multiply, np.array(self.target.turning_joints, dtype=float))
-            return self.apply(label, "the fingers hold still", turning, step)
+        space, label = effector.gradient_space, f"{effector.symbol}({resources.label})"
+        step = self._transform(effector, resources, sensed)
         shared = self.control.virtual == "common" and isinstance(resources, ContactSet) and resources.has_virtual
         if space in (GradientSpace.ROTATION, GradientSpace.JOINTS) or not shared:
             return step
@@ -149,6 +150,63 @@ class _Bench(PipelineBuilder):
             share = partial(operations.shared_along_frames, sharing)
             return self.apply(label, about, share, step, self.read("frames"))
         return self.apply(label, about, partial(operations.shared, sharing), step)
+
+    def effect(self, controller: ControllerNode, space: GradientSpace) -> int:
+        """The Jacobian of what a controller senses by what a pipeline of a space commands, (..., d, D).
+
+        Whatever moves it counts, also contacts that the controller itself leaves alone: τ(Γσ).
+        """
+        effector, sensed, label = controller.effector, controller.sensor_resources, f"∂{controller.sensor.symbol}"
+        step = self._transform(effector, sensed, sensed)
+        match effector.gradient_space:
+            case GradientSpace.JOINTS:
+                scale = partial(np.multiply, 1.0 / np.array(self.target.robot.weights))
+                return self.apply(label, "by the joints, scaled back", scale, step)
+            case GradientSpace.SURFACE:
+                frames, radius = self.read("frames"), self.read("curvature_radius")
+                return self.apply(label, "by contact displacements", operations.by_displacement, step, frames, radius)
+            case GradientSpace.CARTESIAN if space is GradientSpace.JOINTS:
+                moved = self.observe("jacobian", "Jacobians of the contacts")
+                return self.apply(label, "by the joints, as they move the contacts", operations.by_joints, step, moved)
+            case GradientSpace.ROTATION if space is GradientSpace.JOINTS:
+                assert isinstance(controller.effector_resources, ContactSet)
+                weights = controller.effector_resources.weights
+                mean = partial(operations.by_turning, weights / weights.sum())
+                turned = self._held_still("J_ω", self.observe("angular_jacobian", "angular Jacobians of the contacts"))
+                return self.apply(label, "by the joints, as they turn the object", mean, step, turned)
+        return step
+
+    def _held_still(self, label: str, jacobian: int) -> int:
+        """A Jacobian by the joints that may turn a held object."""
+        turning = partial(np.multiply, np.array(self.target.turning_joints, dtype=float))
+        return self.apply(label, "the fingers hold still", turning, jacobian)
+
+    def _transform(self, effector: Effector, resources: ContactSet | JointSet, sensed: ContactSet | JointSet) -> int:
+        """τ(Γτ) with contacts that move each by itself."""
+        space = effector.gradient_space
+        label, with_gravity = f"{effector.symbol}({resources.label})", False
+        if isinstance(resources, JointSet):
+            assert isinstance(sensed, JointSet)
+            mixing = sensed.matrix * resources.mask
+        elif space is GradientSpace.ROTATION:
+            assert isinstance(sensed, ContactSet)
+            mixing, with_gravity = sensed.turning, sensed.has_gravity
+        elif effector.weighs_sensed:
+            assert isinstance(sensed, ContactSet)
+            assert isinstance(resources, ContactSet)
+            mixing, with_gravity = sensed.beside(resources), sensed.has_gravity
+        else:
+            assert isinstance(sensed, ContactSet)
+            mixing = self.mixing(sensed) if space is GradientSpace.JOINTS else resources.weights[: resources.count]
+        step = self.apply(
+            label,
+            f"{effector.about}, {effector.source}",
+            partial(effector.evaluate, mixing),
+            *[self._read_with_gravity(name) if with_gravity else self.read(name) for name in effector.reads],
+        )
+        if self.held and "angular_jacobian" in effector.reads:
+            return self._held_still(label, step)
+        return step
 
     def read(self, name: str) -> int:
         """A field of the observation, or a quantity made of one."""
@@ -172,6 +230,16 @@ class _Bench(PipelineBuilder):
                 return self.constant("(1, 1)", "stretch of the coordinates: none", np.ones((self.grasp.count, 2)))
             case "origin":
                 return self._origin()
+            case "origin_shares":
+                own = self.control.origin == "centroid"
+                shares = self.grasp.weights[: self.grasp.count] * (own / self.grasp.weights.sum())
+                return self.constant("∂c/∂x", "how the origin of moments goes with each contact", shares)
+            case "shape_operators":
+                about = "how outward normals turn as contacts slide [1/m]"
+                if self.target.surface is not None:
+                    return self.apply("S", about, self.target.surface.shape_operators, self.read("points"))
+                model = (self.read("normals"), self.read("curvature_radius"))
+                return self.apply("S", f"{about}, of the model sphere", operations.of_the_model_sphere, *model)
         return self.observe(name, READINGS[name])
 
     def _read_with_gravity(self, name: str) -> int:
@@ -201,8 +269,8 @@ class _Bench(PipelineBuilder):
 class _Lowering:
     def __init__(self, bench: _Bench) -> None:
         self._bench, self._target, self._control = bench, bench.target, bench.control
-        self._leaks: list[Leak] = []
-        self._ranks: list[int] = []
+        self._chains: list[Level] = []
+        self._excesses: list[int] = []
         self._projections: list[Projection] = []
         self._force_errors: list[int] = []
 
@@ -214,32 +282,51 @@ class _Lowering:
             by_surface = bench.apply("Δψ(γ)", "by contact", operations.by_surface, command)
             about = "displacement of the contacts [m], Eq. 4.27"
             command = bench.apply("Δx", about, operations.from_surface, frames, radius, by_surface)
-        elif space is GradientSpace.CARTESIAN:
-            command = bench.apply("Δx", "by contact", operations.by_contact, command)
+            command = bench.apply("Δx", "flattened", operations.flat, command)
         if space in (GradientSpace.SURFACE, GradientSpace.CARTESIAN):
-            cap = partial(operations.capped_rows, self._target.cap)
-            about = f"capped at {1000 * self._target.cap:.3g} mm a {self._target.each}"
-            command = bench.apply("Δx", about, cap, command)
+            command = bench.apply("Δx", "by contact", operations.by_contact, self._capped(STRAIGHT, command))
         force_residual = bench.sensor(measuring("force_residual"), bench.grasp)
         moment_residual = bench.sensor(measuring("moment_residual"), bench.grasp)
-        outputs = [command, force_residual, moment_residual, *[leak.step for leak in self._leaks], *self._ranks]
+        priorities = [priority for chain in self._chains for priority in self._priorities(chain, command, space)]
+        outputs = [command, force_residual, moment_residual, *(priority.rank for priority in priorities)]
         force_error = self._largest_force_error()
         outputs += [] if force_error is None else [force_error]
-        steps, number = bench.needed(outputs)
+        besides = [step for one in priorities for step in (one.sensed, one.effect, one.alone, one.shortened)]
+        steps, number = bench.needed(outputs, besides)
         return Pipeline(
             steps=steps,
             command=number[command],
             space="x" if space is GradientSpace.SURFACE else space.value,
             force_residual=number[force_residual],
             moment_residual=number[moment_residual],
-            leaks=tuple(replace(leak, step=number[leak.step]) for leak in self._leaks),
-            ranks=tuple(number[rank] for rank in self._ranks),
+            priorities=tuple(
+                Priority(
+                    one.controller,
+                    **{name: number[getattr(one, name)] for name in ("sensed", "effect", "alone", "shortened", "rank")},
+                )
+                for one in priorities
+            ),
+            certificate=len(bench.needed(outputs)[0]),
             projections=tuple(
                 replace(found, before=number[found.before], after=number[found.after]) for found in self._projections
             ),
             force_error=None if force_error is None else number[force_error],
             limits=self._target.limits if space is GradientSpace.JOINTS else None,
         )
+
+    def _priorities(self, chain: Level, command: int, space: GradientSpace) -> Iterator[Priority]:
+        """The levels of a chain that others are subject to, with what each alone would have made of the command."""
+        bench, fixed = self._bench, {excess: excess for excess in self._excesses}
+        for level, above, rank in zip(chain.single, chain.sums, chain.ranks, strict=False):
+            controller, alone = level.controller, {chain.displacement: above}
+            yield Priority(
+                controller,
+                sensed=bench.sensor(controller.sensor, controller.sensor_resources),
+                effect=bench.effect(controller, space),
+                alone=bench.instead(command, alone),
+                shortened=bench.instead(command, alone | fixed),
+                rank=rank,
+            )
 
     def _largest_force_error(self) -> int | None:
         if not self._force_errors:
@@ -251,7 +338,9 @@ class _Lowering:
 
     def _motion(self, graph: ControllerGraph) -> int:
         """The displacement of a whole controller; joints are scaled back from their working coordinates."""
-        displacement = self._level(graph).displacement
+        chain = self._level(graph)
+        self._chains.append(chain)
+        displacement = chain.displacement
         if graph.gradient_space is not GradientSpace.JOINTS:
             return displacement
         unscale = partial(np.multiply, np.array(self._target.robot.weights))
@@ -265,33 +354,25 @@ class _Lowering:
         bench, by_task = self._bench, self._control.nullspace == "task"
         project = operations.task_projector if by_task else operations.gradient_projector
         highest, *lower = (self._level(term) for term in reversed(graph.terms))
-        above, total = list(highest.single), highest.displacement
+        above, total, sums, ranks = list(highest.single), highest.displacement, [*highest.sums], [*highest.ranks]
         for level in lower:
             felt = [higher.task if by_task else higher.displacement for higher in above]
             names = ", ".join(("τ " if by_task else "∇") + higher.label for higher in above)
             projector = bench.apply(f"N({names})", "projector on the null space of what is higher", project, *felt)
-            projected = bench.apply(
-                f"N Δ{level.label}", "the lower level, projected", operations.times, projector, level.displacement
-            )
-            self._ranks.append(bench.apply("rank", "dimension of the null space", operations.rank, projector))
+            ranks.append(bench.apply("rank", "dimension of the null space", operations.rank, projector))
             labels = tuple(higher.label for higher in above)
+            for part in level.sums:
+                about = "the lower level, projected"
+                projected = bench.apply(f"N Δ{level.label}", about, operations.times, projector, part)
+                about = "higher levels + projected lower level, Eq. 4.19"
+                sums.append(bench.apply("Σ", about, np.add, total, projected))
             self._projections.append(Projection(level.label, labels, level.displacement, projected))
-            for higher, step in zip(above, felt, strict=True):
-                self._certify(level, higher, step, projected)
-            total = bench.apply("Σ", "higher levels + projected lower level, Eq. 4.19", np.add, total, projected)
+            total = sums[-1]
             above += level.single
-        tasks = [level.task for level in above]
-        task = bench.apply("τ", "the tasks of all levels", operations.stacked, *tasks)
+            ranks += level.ranks
+        task = bench.apply("τ", "the tasks of all levels", operations.stacked, *(level.task for level in above))
         label = f"({' ◁ '.join(level.label for level in reversed(above))})"
-        return Level(label, total, task, tuple(above))
-
-    def _certify(self, lower: Level, higher: Level, felt: int, projected: int) -> None:
-        measure = operations.leak if self._control.nullspace == "task" else operations.gradient_leak
-        label = f"leak {lower.label} → {higher.label}"
-        step = self._bench.apply(
-            label, "share of the lower level that the higher one feels", measure, felt, lower.displacement, projected
-        )
-        self._leaks.append(Leak(lower.label, higher.label, step))
+        return Level(label, total, task, tuple(above), tuple(sums), tuple(ranks))
 
     def _controller(self, node: ControllerNode) -> Level:
         bench, potential = self._bench, node.potential
@@ -303,7 +384,8 @@ class _Lowering:
         gradient = bench.apply(f"∇{potential.symbol}", about, potential.gradient, error)
         task = bench.effector(node.effector, node.effector_resources, node.sensor_resources)
         slope = Slope(potential.symbol, potential.source, node.effector, node.effector_resources, gradient, task)
-        return Level(potential.symbol, potential.law.displacement(bench, slope), task)
+        displacement = potential.law.displacement(bench, slope)
+        return Level(potential.symbol, displacement, task, (SingleLevel(node, displacement, task),), (displacement,))
 
     # --- errors: what a controller strives for minus what it senses ---------------------------------------------------
 
@@ -322,16 +404,24 @@ class _Lowering:
             case SensorReference(name, factor, sensor, set_of_reference):
                 value = bench.sensor(sensor, set_of_reference)
                 value = bench.apply(name, "reference", partial(np.multiply, factor), value)
+                if sensor.makes_forces and isinstance(set_of_reference, ContactSet):
+                    value = self._shared(node, name, bench.shares(set_of_reference), value)
             case ControllerReference(controller):
                 shift = self._shift(controller, resources, difference)
                 value = bench.apply("ref", "reference: sensed + displacement", difference.displaced, shift, sensed)
         error = bench.apply(label, "error: reference − sensed", difference.between, value, sensed)
         return bench.apply(label, "flattened", operations.flat, error)
 
+    def _shared(self, node: ControllerNode, name: str, shares: Array, reference: int) -> int:
+        """The reference, of which members of virtual contacts press their shares where the control settings say so."""
+        if not (node.potential.adds_up and self._control.virtual_forces == "shared") or (shares == 1.0).all():
+            return reference
+        about = f"members of a virtual contact press their shares of it: × {listed(f'{share:.3g}' for share in shares)}"
+        return self._bench.apply(f"w {name}", about, partial(np.multiply, shares[:, None]), reference)
+
     def _shift(self, controller: ControllerGraph, resources: ContactSet, difference: Difference) -> int:
         """One step of the controller in the reference, by resource, capped."""
-        capped, about = self._capped(difference)
-        moved = self._bench.apply(difference.label, about, capped, self._motion(controller))
+        moved = self._capped(difference, self._motion(controller))
         mixing = self._bench.mixing(resources)
         rows = partial(operations.rows_of, np.ones((len(mixing), 1)) if difference.turns else mixing)
         return self._bench.apply(f"{difference.label}({resources.label})", "by resource", rows, moved)
@@ -340,6 +430,7 @@ class _Lowering:
         """Reference minus the resources' means; the members of a virtual contact share its error."""
         bench, potential, label = self._bench, node.potential, f"e {node.potential.symbol}"
         value = bench.constant(name, "reference", values)
+        value = self._shared(node, name, resources.shares, value)
         means = bench.sensor(node.sensor, resources, resources.matrix)
         error = bench.apply(label, "error: reference − sensed", potential.difference.between, value, means)
         if self._control.virtual == "members":
@@ -348,15 +439,17 @@ class _Lowering:
             error = bench.apply(label, "error of each member", partial(np.matmul, spread), error)
         error = bench.apply(label, "flattened", operations.flat, error)
         if potential.is_capped:
-            capped, about = self._capped(potential.difference)
-            error = bench.apply(label, about, capped, error)
+            error = self._capped(potential.difference, error, label)
         return error
 
-    def _capped(self, difference: Difference) -> tuple[Callable[[Array], Array], str]:
-        """What shortens displacements to the cap, and in words; a turn moves contacts at the curvature radius."""
+    def _capped(self, difference: Difference, moved: int, label: str = "") -> int:
+        """Displacements, shortened to the cap; a turn moves contacts at the curvature radius."""
         cap = self._target.cap * (1.0 / self._control.curvature_radius if difference.turns else 1.0)
         size = f"{cap:.3g} rad" if difference.turns else f"{1000 * cap:.3g} mm"
-        return partial(operations.capped, cap), f"capped at {size} a {self._target.each}"
+        label, about = label or difference.label, f"capped at {size} a {self._target.each}"
+        excess = self._bench.apply(f"|{label}| / cap", "at least one", partial(operations.excess, cap), moved)
+        self._excesses.append(excess)
+        return self._bench.apply(label, about, operations.shortened, moved, excess)
 
     def _posture(self, node: ControllerNode, joints: JointSet) -> int:
         match node.reference:

@@ -28,6 +28,9 @@ def facts_of(spec: Spec) -> SceneFacts:
     """What of a spec matters to monitors."""
     thing, world = spec.scene.object, WORLDS[spec.scene.world]
     lacks = {"table": "for a held object the table is out of the way"} if spec.scene.held else {}
+    if spec.scene.afloat:
+        why = "without gravity an object floats"
+        lacks |= {"table": f"{why}, and the table is out of the way", "upright": f"{why}: it may turn, and never falls"}
     if isinstance(thing, InlineObject) and thing.fixed:
         lacks["motion"] = "the object is fixed to the world"
     if _is_ball(thing):

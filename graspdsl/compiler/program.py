@@ -94,7 +94,7 @@ class Program:
     @property
     def target(self) -> Target:
         """What the program's pipelines drive."""
-        return target_of(self.spec, self.robot)
+        return target_of(self.spec, self.robot, self.body)
 
     @property
     def different_trials(self) -> float:
@@ -312,6 +312,7 @@ class _ProgramCheck:
             self.robot,
             complaints,
             senses_gravity=declarations.senses_gravity,
+            weightless=declarations.weightless,
             unread=declarations.unread,
             other_hand=hand_for_floating(declarations),
         )
@@ -414,6 +415,8 @@ class _ProgramCheck:
         able = world.spaces(way) | ({GradientSpace.ROTATION} if self._declarations.holds else set())
         for stage in phase.stages:
             space = stage.gradient_space
+            nodes = controllers_in(stage)
+            curved = sorted({node.effector.symbol for node in nodes if "shape_operators" in node.effector.reads})
             lacking = sorted({node.sensor.symbol for node in controllers_in(stage) if "forces" in node.sensor.reads})
             if lacking and not world.has("forces"):
                 self._complaints.error(
@@ -421,6 +424,13 @@ class _ProgramCheck:
                     f"{world.lacks['forces']}: {', '.join(lacking)} cannot be sensed in the {world.name} world",
                     span_of(entry.formula),
                     f"use σ_fr and σ_mr, as π_gx does, or {worlds_with('forces')}",
+                )
+            elif curved and not world.knows_surface:
+                self._complaints.error(
+                    "not-sensed",
+                    f"no contact senses how a surface curves: the {world.name} world has no {', '.join(curved)}",
+                    span_of(entry.formula),
+                    "use τ_wx, which takes the surface for a sphere and a plane, or the floating world",
                 )
             elif space not in able:
                 can = ", ".join(sorted(f"{s.value}, {s.about}" for s in able))

@@ -42,7 +42,7 @@ class ResourceTable:
 
     Each declaration is resolved once and its faults are reported there; what is made of a faulty one, or of one that
     is ``unread``, is passed over in silence, and so is what only a robot could tell where there is none.
-    ``other_hand`` is the way out of a contact that the hand has not.
+    ``other_hand`` is the way out of a contact that the hand has not; where all is ``weightless``, γ_g is a fault.
     """
 
     def __init__(
@@ -52,10 +52,12 @@ class ResourceTable:
         complaints: Complaints,
         *,
         senses_gravity: bool,
+        weightless: bool = False,
         unread: Sequence[str] = (),
         other_hand: str | None = None,
     ) -> None:
         self._robot, self._complaints, self.senses_gravity = robot, complaints, senses_gravity
+        self._weightless = weightless
         self._contacts = robot.contacts if robot else ()
         self._joint_sets = robot.joint_sets if robot else {}
         self._other_hand = other_hand
@@ -254,7 +256,14 @@ class ResourceTable:
                 name.span,
                 "add 'held: true' to the object, or leave γ_g out",
             )
-        if self._robot is None or not self.senses_gravity:
+        elif self._weightless:
+            self._complaints.error(
+                "no-gravity",
+                "γ_g pulls at nothing: the scene's gravity is 0",
+                name.span,
+                "leave γ_g out, or leave scene.gravity at 9.81",
+            )
+        if self._robot is None or not self.senses_gravity or self._weightless:
             return None
         return _Meant((ContactResource(GRAVITY, ((len(self._contacts), 1.0),)),), is_set=False)
 

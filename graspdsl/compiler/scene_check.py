@@ -78,6 +78,7 @@ class _Check:
         self._shape()
         self._hand()
         self._evaluation()
+        self._grading()
         self._centre_of_mass()
         self._sensing()
         chosen = self._spec.trials.start.approach
@@ -100,9 +101,13 @@ class _Check:
             if axis.parameter in idle:
                 path: Path = ("trials", "grid", place, "parameter")
                 self._warn(f"the grid's {axis.parameter} has no effect: {where}", path)
+        gravity: Path = ("scene", "gravity")
+        if (weightless := self._world.lacks.get("weight")) and self._document.has(gravity):
+            self._warn(f"gravity has no effect: {weightless}", gravity)
         friction: Path = ("scene", "friction")
         why = self._world.lacks.get("friction")
-        judged = any(grade.by_friction for _, grade in self._grades())
+        rubs = self._spec.grading.contact != "frictionless"
+        judged = rubs and any(grade.by_friction for _, grade in self._grades())
         if why and self._document.has(friction) and not judged:
             self._warn(f"friction has no effect: {why}, and none is judged by it", friction)
 
@@ -146,17 +151,35 @@ class _Check:
 
     def _evaluation(self) -> None:
         """A hand lifts and shakes an object that is free."""
-        thing = self._thing
+        thing, other = self._thing, f"use a free object in {worlds_with('lifting')}"
         if "lifting" in self._world.lacks:
             why = self._world.lacks["lifting"]
         elif thing is not None and (thing.held or thing.fixed):
             why = f"the object is {'held' if thing.held else 'fixed'}"
+        elif self._spec.scene.gravity == 0.0:
+            why, other = "without gravity there is no weight to lift", "let the scene have gravity"
         else:
             return
         for place, grade in self._grades():
             if grade.handles:
-                hint = f"leave it out, or use a free object in {worlds_with('lifting')}"
-                self._error("grade-not-in-world", f"{grade.name} says nothing here: {why}", ("evaluate", place), hint)
+                message = f"{grade.name} says nothing here: {why}"
+                self._error("grade-not-in-world", message, ("evaluate", place), f"leave it out, or {other}")
+
+    def _grading(self) -> None:
+        """Warn of conventions that no grade judges by, or that the contact model has no use for."""
+        if self._document.has(("grading",)) and all(grade.handles for _, grade in self._grades()):
+            self._warn("grading has no effect: no grade under 'evaluate' judges by it", ("grading",))
+            return
+        contact = self._spec.grading.contact
+        cones = any(grade.by_friction for _, grade in self._grades())
+        idle = {
+            "torsion": contact in ("hard", "frictionless") and f"{contact} contacts resist no turning",
+            "edges": (contact == "frictionless" and "frictionless contacts have no friction cone")
+            or (not cones and "no grade under 'evaluate' judges by friction cones"),
+        }
+        for name, why in idle.items():
+            if why and self._document.has(("grading", name)):
+                self._warn(f"{name} has no effect: {why}", ("grading", name))
 
     def _centre_of_mass(self) -> None:
         """It is known of an object that is held or that contacts float on."""

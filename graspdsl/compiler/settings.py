@@ -9,6 +9,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, joint_limits
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.spec.models import Spec
 from graspdsl.spec.program import Control
 from graspdsl.worlds.kind import WorldKind
@@ -22,13 +24,15 @@ PROBING_STEP, PROBING_CAP = 0.5, 0.15  # curvature radii a probe; over Σw² of 
 class Target:
     """What a pipeline drives and how: a robot in a world, under the spec's control settings.
 
-    ``held``: the object is fixed to the hand, and turns with the contacts.
+    ``held``: the object is fixed to the hand, and turns with the contacts. ``surface``: that of the object, where it is
+    known and stays in place.
     """
 
     robot: Robot
     world: WorldKind
     control: Control
     held: bool = False
+    surface: Surface | None = None
 
     @property
     def rate(self) -> float:
@@ -75,9 +79,12 @@ class Target:
         return tuple(not self.held or name in self.robot.mount.joints for name in self.robot.joints)
 
 
-def target_of(spec: Spec, robot: Robot) -> Target:
-    """What the pipelines of a spec drive."""
-    return Target(robot, WORLDS[spec.scene.world], spec.control, spec.scene.held)
+def target_of(spec: Spec, robot: Robot, body: Body | None) -> Target:
+    """What the pipelines of a spec drive. ``body``: the object, None where it is not known."""
+    world = WORLDS[spec.scene.world]
+    known = body is not None and world.knows_surface and not body.shape.edged
+    surface = body.shape.surface() if body is not None and known else None
+    return Target(robot, world, spec.control, spec.scene.held, surface)
 
 
 def different_trials(spec: Spec) -> float:

@@ -90,7 +90,7 @@ class _Sizes:
     ) -> None:
         self._hand, self._motion, self._body = hand, motion, body
         self._document, self._complaints = document, complaints
-        self._start, self._thing = spec.trials.start, spec.scene.object
+        self._start, self._thing, self._afloat = spec.trials.start, spec.scene.object, spec.scene.afloat
         gridded: dict[str, tuple[float, float]] = {
             axis.parameter: (axis.middle(0), axis.middle(axis.cells - 1)) for axis in spec.trials.grid or ()
         }
@@ -106,7 +106,8 @@ class _Sizes:
                 self._warn_of_object("object-size", about, "lengths are in metres")
             return
         anchored = isinstance(self._thing, InlineObject) and (self._thing.held or self._thing.fixed)
-        if anchored or not (self._falls() or self._is_too_wide()):
+        stands = anchored or self._afloat or not self._falls()
+        if anchored or (stands and not self._is_too_wide()):
             self._palm()
 
     def _falls(self) -> bool:
@@ -179,7 +180,7 @@ class _Sizes:
                 f"use an offset below {width:.3g} m",
             )
         palms = [place + self._hand.palm_surface * rotation[:, 2] for place, rotation in self._poses]
-        if all(palm[2] < 0.0 for palm in palms):
+        if not self._afloat and all(palm[2] < 0.0 for palm in palms):
             self._warn_of_start("height", "the palm is below the table in every start", "heights are above the table")
         elif all(self._is_inside(palm) for palm in palms):
             self._warn_of_start(

@@ -16,7 +16,7 @@ from graspdsl.basis.spaces import GradientSpace
 
 CONTACTS, JOINTS = 4, 5
 GRAVITY = CONTACTS  # its index, behind those of the contacts
-SHARED = ("curvature_radius", "joint_weights")  # of the scene and of the hand: without leading axes
+SHARED = ("curvature_radius", "joint_weights", "origin_shares")  # of the scene and of the hand: without leading axes
 
 Inputs = Mapping[str, Array]
 Resources = ContactSet | JointSet
@@ -61,15 +61,18 @@ def inputs(
         "joints": random.normal(size=(*batch, JOINTS)),
         "joint_weights": random.uniform(0.5, 10.0, size=JOINTS),
         "origin": random.normal(size=(*batch, 3)),
+        "origin_shares": random.uniform(0.1, 0.5, size=contacts),
         "curvature_radius": np.array(0.37),
         "centre_of_mass": random.normal(size=(*batch, 3)),
         "weight": random.uniform(0.1, 9.0, size=(*batch, 1)) * np.array([0.0, 0.0, -1.0]),
         "touching": np.ones((*batch, contacts), dtype=bool),
     }
+    frames, local = coordinates.frames(drawn["normals"]), random.normal(size=(*batch, contacts, 2, 2))
     return {
         **drawn,
-        "frames": coordinates.frames(drawn["normals"]),
+        "frames": frames,
         "stretch": coordinates.stretch(drawn["normals"]),
+        "shape_operators": frames @ (local + np.swapaxes(local, -1, -2)) @ np.swapaxes(frames, -1, -2),
     }
 
 
@@ -154,7 +157,18 @@ def moving(effector: Effector, moved: Resources, sensed: Resources) -> Array:
     if effector.gradient_space is GradientSpace.ROTATION:
         assert isinstance(sensed, ContactSet)
         return sensed.turning
+    if effector.weighs_sensed:
+        assert isinstance(sensed, ContactSet)
+        return sensed.beside(moved)
     return moved.matrix if effector.gradient_space is GradientSpace.JOINTS else moved.weights
+
+
+def free_to_move(effector: Effector, moved: Resources) -> Array:
+    """Ones for the coordinates of a gradient space that are free, zeros for those of what is not moved, (D,) or ()."""
+    if isinstance(moved, JointSet):
+        return moved.mask
+    coordinates = {GradientSpace.SURFACE: 2, GradientSpace.CARTESIAN: 3}.get(effector.gradient_space)
+    return np.repeat(moved.weights > 0.0, coordinates).astype(float) if coordinates else np.array(1.0)
 
 
 def sensed_by(sensor: Sensor, resources: Resources, given: Inputs) -> Array:

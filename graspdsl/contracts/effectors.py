@@ -10,7 +10,6 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.effectors import EFFECTORS, Effector
 from graspdsl.basis.potentials import POTENTIALS
-from graspdsl.basis.resources import JointSet
 from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.contracts.differences import central_differences
 from graspdsl.contracts.drawing import (
@@ -21,6 +20,7 @@ from graspdsl.contracts.drawing import (
     Inputs,
     Resources,
     drawn,
+    free_to_move,
     moved_and_sensed,
     moved_by,
     moving,
@@ -166,11 +166,11 @@ def _differences(
     effector: Effector, sensor: Sensor, moved: Resources, sensed: Resources, coordinates: Coordinates = TANGENT
 ) -> list[Array]:
     """By motion: the derivative (draws, d, D) of what is sensed along it."""
-    mask = moved.mask if isinstance(moved, JointSet) else 1.0
+    free = free_to_move(effector, moved)
 
     def along(motion: Motion, given: Inputs) -> Array:
         def read(displacement: Array) -> Array:
-            return sensed_by(sensor, sensed, motion(given, mask * displacement)).ravel()
+            return sensed_by(sensor, sensed, motion(given, free * displacement)).ravel()
 
         return central_differences(read, np.zeros(COLUMNS[effector.gradient_space]))
 

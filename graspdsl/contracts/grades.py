@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,13 +15,18 @@ from graspdsl.contracts.drawing import generator, unit_vectors
 from graspdsl.contracts.rule import Breach, contract
 from graspdsl.declared import misdeclared
 from graspdsl.hands.descriptions import robot
-from graspdsl.quality.grade import Found, Grade, Grasp
+from graspdsl.quality.grade import Found, Grade, Grasp, Quantity
 from graspdsl.quality.grades import GRADES
+from graspdsl.spec.grading import ContactKind, Grading
 
 ROBOT = robot("barrett", "gantry")
 REASON = "it rains"
 FRICTION = 0.4
+TORQUE_SCALE = 0.05  # m
+TORSION = 0.002  # m
+LARGER = 1.7
 COUNTS = (1, 2, 3, 4)  # of contacts
+CONTACTS: tuple[ContactKind, ...] = ("hard", "soft-finger", "frictionless")
 ALLOWED = 1e-6  # of a number, when the whole grasp is somewhere else
 
 
@@ -66,7 +71,7 @@ def something(grade: Grade) -> Iterator[Breach]:
 
 def missing(grade: Grade) -> Iterator[Breach]:
     """Of a trial without a grasp: not passed and not measured, for the reason that is given."""
-    found = grade.of(Grasp(ROBOT, FRICTION, missing=REASON))
+    found = grade.of(Grasp(ROBOT, FRICTION, TORQUE_SCALE, missing=REASON))
     if grade.passed and (found.get(grade.passed), found.get("reason")) != (False, REASON):
         said = {key: found.get(key) for key in (grade.passed, "reason")}
         yield f"of a missing grasp it says {said}", f"say {grade.passed} False, and the reason that grasp.missing gives"
@@ -78,7 +83,7 @@ def missing(grade: Grade) -> Iterator[Breach]:
 
 def plain(grade: Grade) -> Iterator[Breach]:
     """What it says is plain data, the same after it was written as JSON: it stands in the record of a trial."""
-    for found in [grade.of(Grasp(ROBOT, FRICTION, missing=REASON)), *_found(grade)]:
+    for found in [grade.of(Grasp(ROBOT, FRICTION, TORQUE_SCALE, missing=REASON)), *_found(grade)]:
         try:
             same = json.loads(json.dumps(found, allow_nan=False)) == found
         except (TypeError, ValueError) as error:
@@ -149,8 +154,39 @@ def friction(grade: Grade) -> Iterator[Breach]:
             return
 
 
+def units(grade: Grade) -> Iterator[Breach]:
+    """A yes, and a number without a unit, are the same in any unit of length."""
+    plain = [quantity for quantity in grade.quantities if not quantity.unit]
+    for grasp, same in zip(_grasps(grade), _grasps(grade), strict=True):
+        larger = replace(
+            same,
+            torque_scale=LARGER * same.torque_scale,
+            points=LARGER * same.points,
+            centre_of_mass=LARGER * same.centre_of_mass,
+            grading=same.grading.model_copy(update={"torsion": LARGER * TORSION}),
+        )
+        if not _alike(grade, grade.of(grasp), grade.of(larger), plain):
+            yield (
+                f"it says something else when all lengths, the torque scale too, are {LARGER:g} times as large",
+                "divide moments by grasp.torque_scale, or give the number its unit",
+            )
+            return
+
+
 RULES = contract(
-    declared, table, told, keys, something, missing, plain, complete, same_again, anywhere, friction, wording=(told,)
+    declared,
+    table,
+    told,
+    keys,
+    something,
+    missing,
+    plain,
+    complete,
+    same_again,
+    anywhere,
+    units,
+    friction,
+    wording=(told,),
 )
 
 
@@ -158,16 +194,18 @@ def _grasps(grade: Grade) -> Iterator[Grasp]:
     """Contacts on an ellipsoid, one to four, the same for each run; none for a grade that needs a world."""
     random, axes = generator(), np.array([0.03, 0.04, 0.06])
     for count in () if grade.handles else COUNTS:
-        for _ in range(3):
+        for contact in CONTACTS:
             on_ball = unit_vectors(random, count)
             inward = -on_ball / axes
             yield Grasp(
                 ROBOT,
                 FRICTION,
+                TORQUE_SCALE,
                 on_ball * axes,
                 inward / np.linalg.norm(inward, axis=1, keepdims=True),
                 0.01 * random.normal(size=3),
                 tuple(range(count)),
+                Grading(torsion=TORSION, contact=contact),
             )
 
 
@@ -179,11 +217,12 @@ def _is_text(value: Any) -> bool:
     return isinstance(value, str) and bool(value)
 
 
-def _alike(grade: Grade, one: Found, other: Found) -> bool:
-    """Whether both say the same, numbers to a relative ALLOWED."""
+def _alike(grade: Grade, one: Found, other: Found, quantities: Sequence[Quantity] | None = None) -> bool:
+    """Whether both say the same, numbers to a relative ALLOWED, of these quantities or of all."""
     if grade.passed and one[grade.passed] != other[grade.passed]:
         return False
-    pairs = [(one[quantity.key]["value"], other[quantity.key]["value"]) for quantity in grade.quantities]
+    told = grade.quantities if quantities is None else quantities
+    pairs = [(one[quantity.key]["value"], other[quantity.key]["value"]) for quantity in told]
     return all(
         a is b if a is None or b is None else bool(np.isclose(a, b, rtol=ALLOWED, atol=ALLOWED)) for a, b in pairs
     )

@@ -27,7 +27,7 @@ LASTING = 6  # ticks
 SEEN = tuple(field.name for field in fields(Sight) if field.name != "waited_for")
 LISTS, OF_ALL = ("links", "table_links"), ("time", "grasp", "awaits_residual", "limit", "waited_for")
 NO_WAIT_SLIDING, WAIT_PROBING = ((), TICK), ((30.0,), None)
-WITHOUT_MONITOR = (Outcome.CONVERGED, Outcome.TIMEOUT, Outcome.INFEASIBLE_START, Outcome.CRASHED)
+WITHOUT_MONITOR = (Outcome.CONVERGED, Outcome.TIMEOUT, Outcome.UNDONE, Outcome.INFEASIBLE_START, Outcome.CRASHED)
 UNIT = r"\((1|m|s|N|rad)\)"
 
 

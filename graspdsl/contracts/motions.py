@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import along
 from graspdsl.basis.rotations import exponential
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.contracts.drawing import CONTACTS, JOINTS, Inputs
@@ -35,6 +36,19 @@ def _displaced(motion: Motion) -> Motion:
         return motion(given, along.ravel() / given["curvature_radius"])
 
     return moved
+
+
+def _over_the_surface(given: Inputs, x: Array) -> Inputs:
+    """Contacts slide by what of x is along the surface; its shape operators turn the normals, the origin goes along."""
+    inward = given["normals"][:CONTACTS]
+    step = x.reshape(-1, 3) - along(x.reshape(-1, 3), inward)
+    normals = inward - np.einsum("kij,kj->ki", given["shape_operators"], step)
+    return {
+        **given,
+        "points": given["points"] + step,
+        "normals": normals / np.linalg.norm(normals, axis=-1, keepdims=True),
+        "origin": given["origin"] + given["origin_shares"] @ step,
+    }
 
 
 def _turned(given: Inputs, r: Array) -> Inputs:
@@ -73,6 +87,7 @@ MOTIONS: Mapping[GradientSpace, Mapping[str, Motion]] = {
     GradientSpace.CARTESIAN: {
         "contacts slide over a sphere": _displaced(_over_spheres),
         "contacts slide along their tangent planes": _displaced(_along_planes),
+        "contacts slide over the surface as it is curved": _over_the_surface,
     },
     GradientSpace.ROTATION: {"the object turns with its contacts": _turned},
     GradientSpace.JOINTS: {

@@ -11,8 +11,9 @@ from graspdsl.contracts.numbers import shown
 from graspdsl.contracts.rule import Breach, contract
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import fall_of
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.worlds.kind import TABLE_FRICTION
-from graspdsl.worlds.protocol import GRAVITY, TABLE_SIZE, UnstableObjectError
+from graspdsl.worlds.protocol import TABLE_SIZE, UnstableObjectError
 
 LIGHTEST, HEAVIEST = 1.0, 23_000.0  # kg/m³: foam, osmium
 SHORTEST, HIGHEST = 0.005, 2.0  # m

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.hands.fingertips import SphereTip
-from graspdsl.worlds.protocol import GRAVITY
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.worlds.touch.compliance import force_of_dent
 from graspdsl.worlds.touch.fingertip_sensor import Clock, Fingertip, FingertipSensor
 

@@ -13,8 +13,8 @@ from graspdsl.contracts.numbers import shown
 from graspdsl.contracts.pressed_balls import CLOCK, PressedBalls, run
 from graspdsl.contracts.rule import Breach, contract
 from graspdsl.declared import misdeclared
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
-from graspdsl.worlds.protocol import GRAVITY
 from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor
 
 PRESS = 0.8  # N

@@ -16,8 +16,10 @@ from graspdsl.declared import misdeclared
 from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import robot
 from graspdsl.objects.shapes import catalogue
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.worlds.kind import Ability, Anchor, View, WorldKind, WorldSettings
 from graspdsl.worlds.protocol import (
+    PARTIES,
     Command,
     InfeasibleStartError,
     ManyWorld,
@@ -40,6 +42,7 @@ SMALL = 2e-3  # m or rad
 OBEYED = 0.2  # of a command, that may be left undone once all has settled
 MOVED = 0.05  # of what joints moved, that contacts may be off from their Jacobian
 CLOSING, MOST_TICKS = 0.01, 300  # rad or m a tick
+CANCELLED = 1e-2  # of the weight
 AGREED, SOFT = 1e-6, 1e-3  # m, of exact sensors and of all others
 TRIALS = 3
 
@@ -141,6 +144,7 @@ def truth(kind: WorldKind) -> Iterator[Breach]:
             **dict.fromkeys(("object_position", "object_axis"), (3,)),
             "object_rotation": (3, 3),
             "object_lean": (),
+            "loads": (len(PARTIES), 6),
         }
         for name, shape in shapes.items():
             if np.shape(getattr(found, name)) != shape:
@@ -255,6 +259,23 @@ def agrees(kind: WorldKind) -> Iterator[Breach]:
                 yield f"true {what} are not those that are sensed", "in the world; normals into, forces on the object"
 
 
+def balance(kind: WorldKind) -> Iterator[Breach]:
+    """What acts on the object is told whole or not at all; of a free one at rest it cancels."""
+    with _made(kind) as (world, _):
+        world.reset(START, SEED)
+        loads = world.truth().loads
+        if np.isnan(loads).all():
+            return
+        if not np.isfinite(loads).all():
+            yield "it tells a part of what acts on the object", "give all of the loads, or NaN for all"
+            return
+        weight = BODY.mass * GRAVITY
+        if np.abs(loads[PARTIES.index("gravity")] - [0.0, 0.0, -weight, 0.0, 0.0, 0.0]).max() > AGREED:
+            yield f"gravity is not the weight of {weight:.3g} N", "in the world, z upwards; moments about its centre"
+        if kind.has("motion") and np.abs(loads.sum(axis=0)).max() > CANCELLED * weight:
+            yield "what acts on an object at rest does not cancel", "give the forces on the object, of every party"
+
+
 def infeasible(kind: WorldKind) -> Iterator[Breach]:
     """A start with the hand in the table is refused with an InfeasibleStartError; others can be taken up after it."""
     with _made(kind) as (world, _):
@@ -345,6 +366,7 @@ RULES = contract(
     jacobian,
     refuses,
     agrees,
+    balance,
     infeasible,
     closing,
     side_by_side,

@@ -28,6 +28,14 @@ class Solid:
         tensor: Array = mass / self.volume * (np.trace(self.moments) * np.eye(3) - self.moments)
         return tensor
 
+    @property
+    def radius_of_gyration(self) -> float:
+        """√(tr I / 3m) [m]: that about an axis, √(I/m), in the mean square over all axes through the centre.
+
+        A body that turns about it with ω has on average the energy that it has when it moves with this radius times ω.
+        """
+        return float(np.sqrt(2.0 * np.trace(self.moments) / (3.0 * self.volume)))
+
     def principal(self, mass: float) -> tuple[Array, Array]:
         """The principal moments of inertia (3,) [kg m²] and their axes, the columns of a rotation (3, 3).
 

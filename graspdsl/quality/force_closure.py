@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.quality.grade import NO_CONTACTS, Found, Grade, Grasp
+from graspdsl.quality.grade import NO_CONTACTS, Found, Grade, Grasp, Metric, Quantity
 from graspdsl.quality.wrench_space import DIMENSIONS, WrenchSpace
 
 MARGIN_TOLERANCE = 1e-6  # ten times that of the solver
@@ -19,7 +19,9 @@ class ForceClosure:
 
     margin: the largest share t of an even spread of weights that every primitive wrench can have in a balance
     Σ λᵢ wᵢ = 0, Σ λᵢ = 1, λᵢ ≥ t/m: above 0 for closure, 1 for even weights, None where there is no balance at all or
-    the wrenches do not span the space.
+    the wrenches do not span the space. It is the min-weight metric of A. H. Li et al., "FRoGGeR: Fast robust grasp
+    generation via the min-weight metric", 2023, over its largest value 1/m. No scale of moments changes it, for what
+    balances in one balances in another.
     """
 
     closed: bool
@@ -91,13 +93,19 @@ class ForceClosureGrade(Grade):
 
     name = "force-closure"
     about = "whether the contacts' friction cones can balance any wrench on the object, by linear programming"
-    definition = "Force closure: the contacts' friction cones can balance any wrench on the object."
+    definition = (
+        "Force closure: the contacts' friction cones can balance any wrench on the object. Its margin: how much every "
+        "edge of the cones can be pressed along in one balance of all, as a share of pressing evenly: 1 where all "
+        "press alike, above 0 where and only where the grasp is closed, whatever the torque scale."
+    )
     passed = "closed"
     column = "force closure"
     verdict = "force_closure"
+    quantities = (Quantity("margin", "margin"),)
     by_friction = True
 
     def of(self, grasp: Grasp) -> Found:
         """Closed or not, by what margin, and if not why; of how many contacts, by which contact model."""
         found = ForceClosure(False, None, grasp.missing) if grasp.missing else force_closure(grasp.wrenches)
-        return {**asdict(found), "contacts": len(grasp.points), "model": grasp.wrenches.model}
+        margin = asdict(Metric(found.margin, found.reason))
+        return {**asdict(found), "margin": margin, "contacts": len(grasp.points), **grasp.conventions}

@@ -12,8 +12,9 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
-from graspdsl.quality.contact_models import HardPoint
+from graspdsl.quality.contact_models import SoftFinger, contact_model
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
+from graspdsl.spec.grading import RADIUS_OF_GYRATION, Grading
 from graspdsl.worlds.protocol import PalmWorld
 
 NO_CONTACTS = "no contacts"
@@ -52,28 +53,42 @@ class Grasp:
     """The final grasp of a trial by the world's truth, of those of its contacts that touch.
 
     points, normals: (k, 3) [m], normals into the object; centre_of_mass: (3,) [m]; friction: between fingertips and
-    object. world: to lift and shake the object with these ``contacts`` of the robot, which changes the world; None in a
-    world without a palm. missing: why there is no grasp to grade, empty where there is one.
+    object; torque_scale [m]: what moments are divided by, the same for all grasps of a run; grading: the spec's other
+    conventions. world: to lift and shake the object with these ``contacts`` of the robot, which changes the world; None
+    in a world without a palm. missing: why there is no grasp to grade, empty where there is one.
     """
 
     robot: Robot
     friction: float
+    torque_scale: float
     points: Array = field(default_factory=partial(np.zeros, (0, 3)))
     normals: Array = field(default_factory=partial(np.zeros, (0, 3)))
     centre_of_mass: Array = field(default_factory=partial(np.zeros, 3))
     contacts: Sequence[int] = ()
+    grading: Grading = field(default_factory=Grading)
     world: PalmWorld | None = None
     missing: str = ""
     _made: dict[Callable[[Grasp], Any], Any] = field(default_factory=dict, repr=False)
 
     @cached_property
     def wrenches(self) -> WrenchSpace:
-        """The wrenches by which grades judge: hard point contacts, moments about the object's centre of mass.
+        """The wrenches by which grades judge, moments about the object's centre of mass and over the torque scale."""
+        given = self.grading
+        model = contact_model(given.contact, len(self.points), self.friction, given.torsion, given.edges)
+        return wrench_space(self.points, self.normals, model, reference=self.centre_of_mass, length=self.torque_scale)
 
-        Contacts are hard because neither world's can twist the object about their normal: to judge tips with a patch,
-        give ``wrench_space`` a SoftFinger.
-        """
-        return wrench_space(self.points, self.normals, HardPoint(self.friction), reference=self.centre_of_mass)
+    @property
+    def conventions(self) -> Found:
+        """By what a grade judges it, as plain data: contact model, None where there is nothing to judge, edges of a
+        friction pyramid, torsion of a soft finger [m], and torque scale, in m and in words."""
+        model, scale = self.wrenches.model, self.grading.torque_scale
+        return {
+            "model": None if self.missing else model.name,
+            "edges": self.grading.edges,
+            "torsion": model.torsion if isinstance(model, SoftFinger) and not self.missing else None,
+            "length": self.torque_scale,
+            "scale": "the object's radius of gyration" if scale == RADIUS_OF_GYRATION else "as the spec gives it",
+        }
 
     def once(self, make: Callable[[Grasp], Made]) -> Made:
         """What several grades share of a grasp, made for the first that asks."""

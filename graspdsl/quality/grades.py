@@ -7,9 +7,16 @@ from collections.abc import Container
 from graspdsl.quality.ferrari_canny import FerrariCannyGrade
 from graspdsl.quality.force_closure import ForceClosureGrade
 from graspdsl.quality.grade import Found, Grade, Grasp
+from graspdsl.quality.grasp_matrix import GraspMatrixGrade
 from graspdsl.quality.lift_and_shake import LiftGrade, ShakeGrade
 
-_BUILT_IN: tuple[Grade, ...] = (ForceClosureGrade(), FerrariCannyGrade(), LiftGrade(), ShakeGrade())
+_BUILT_IN: tuple[Grade, ...] = (
+    ForceClosureGrade(),
+    FerrariCannyGrade(),
+    GraspMatrixGrade(),
+    LiftGrade(),
+    ShakeGrade(),
+)
 GRADES: dict[str, Grade] = {grade.name: grade for grade in _BUILT_IN}
 
 

@@ -7,13 +7,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.quality.carrying import Carrier
-from graspdsl.quality.grade import Found, Grade, Grasp
-from graspdsl.worlds.protocol import WorldCrashError
+from graspdsl.quality.grade import Found, Grade, Grasp, Metric, Quantity
+from graspdsl.worlds.protocol import PARTIES, Truth, WorldCrashError
 
 AXES = np.eye(3)
 UP = AXES[2]
@@ -68,6 +69,7 @@ class Handling:
 
 
 TEST = Handling()
+OF_THE_LIFT = Metric(None, "of the lift alone")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,8 @@ class Held:
 
     displacement [m]: the largest, in the palm's frame, of the object's part between the contacts, None without a test;
     contacts: fingertips that touch at the end; lost_at [s]: when it had moved too far, from the beginning of the part,
-    None if it never had; squeeze [N]: at the end of the ramp.
+    None if it never had; squeeze [N]: at the end of the ramp. borne: what the fingertips bear while the lifted object
+    is held, over its weight.
     """
 
     kept: bool
@@ -85,6 +88,7 @@ class Held:
     contacts: int = 0
     lost_at: float | None = None
     squeeze: float | None = None
+    borne: Metric = OF_THE_LIFT
 
 
 class Handled:
@@ -114,7 +118,7 @@ class Handled:
         try:
             return part(self._test)
         except WorldCrashError as error:
-            return Held(False, str(error))
+            return Held(False, str(error), borne=Metric(None, str(error)))
 
 
 class _Test:
@@ -122,7 +126,7 @@ class _Test:
         assert grasp.world is not None
         self._world, self._contacts, self._handling = grasp.world, list(grasp.contacts), handling
         self._carrier = Carrier(self._world, grasp.robot, self._contacts)
-        self._raised = np.zeros(3)
+        self._raised, self._loads = np.zeros(3), list[Array]()
         truth = self._world.truth()
         between = truth.points[self._contacts].mean(axis=0) - truth.object_position
         self._between = truth.object_rotation.T @ between
@@ -134,17 +138,18 @@ class _Test:
 
     def lift(self) -> Held:
         handling = self._handling
-        rest = self._held_part()[2]
+        rest = self._held_part(self._world.truth())[2]
 
         def path(time: float) -> Array:
             return np.asarray(handling.height * rise(time / handling.rise) * UP)
 
         held = self._carry(path, handling.rise + handling.hold)
         self._raised = path(math.inf)
-        risen = self._held_part()[2] - rest
+        risen = self._held_part(self._world.truth())[2] - rest
         if held.kept and risen < handling.height - handling.slip:
-            return dataclasses.replace(held, kept=False, reason="the object did not rise with the hand")
-        return held
+            held = dataclasses.replace(held, kept=False, reason="the object did not rise with the hand")
+        borne = self._borne(self._ticks(handling.hold)) if held.kept else Metric(None, held.reason)
+        return dataclasses.replace(held, borne=borne)
 
     def shake(self) -> Held:
         handling = self._handling
@@ -159,11 +164,13 @@ class _Test:
 
     def _carry(self, path: Callable[[float], Array], duration: float) -> Held:
         """Follow a path; stop when the object has moved too far in the hand."""
-        before, largest, lost_at = self._in_palm(), 0.0, None
+        before, largest, lost_at = self._in_palm(self._world.truth()), 0.0, None
         for tick in range(1, self._ticks(duration) + 1):
             time = tick / self._world.info.rate
             self._carrier.tick(path(time), self._handling.squeeze)
-            largest = max(largest, float(np.linalg.norm(self._in_palm() - before)))
+            truth = self._world.truth()
+            self._loads.append(truth.loads)
+            largest = max(largest, float(np.linalg.norm(self._in_palm(truth) - before)))
             if not largest <= self._handling.slip:
                 lost_at = time
                 break
@@ -173,14 +180,19 @@ class _Test:
         reason = "" if lost_at is None else f"the object slipped by more than {slip}"
         return Held(lost_at is None, reason, largest, touching, lost_at, self._squeeze)
 
-    def _in_palm(self) -> Array:
+    def _borne(self, ticks: int) -> Metric:
+        """What share of its weight the fingertips have borne, a mean over so many ticks."""
+        loads = np.mean(self._loads[-ticks:], axis=0)
+        contacts, gravity = (loads[PARTIES.index(party), 2] for party in ("contacts", "gravity"))
+        return Metric(float(contacts / -gravity)) if np.isfinite(loads).all() else Metric(None, "forces are not known")
+
+    def _in_palm(self, truth: Truth) -> Array:
         """Where the held part of the object is in the palm's frame (3,) [m]."""
         palm = self._world.palm()
-        return np.asarray(palm.rotation.T @ (self._held_part() - palm.position))
+        return np.asarray(palm.rotation.T @ (self._held_part(truth) - palm.position))
 
-    def _held_part(self) -> Array:
+    def _held_part(self, truth: Truth) -> Array:
         """Where the part of the object is (3,) [m] that was between the contacts."""
-        truth = self._world.truth()
         return np.asarray(truth.object_position + truth.object_rotation @ self._between)
 
     def _ticks(self, duration: float) -> int:
@@ -199,11 +211,13 @@ class LiftGrade(Grade):
     passed = "kept"
     column = "kept when lifted"
     verdict = "kept"
+    quantities: ClassVar[tuple[Quantity, ...]] = (Quantity("borne", "weight borne by the contacts when lifted"),)
     handles = True
 
     def of(self, grasp: Grasp) -> Found:
         """Kept or not, and if not why, with what was measured."""
-        return dataclasses.asdict(Held(False, grasp.missing) if grasp.missing else self.part(grasp.once(Handled)))
+        missing = Held(False, grasp.missing, borne=Metric(None, grasp.missing))
+        return dataclasses.asdict(missing if grasp.missing else self.part(grasp.once(Handled)))
 
     def part(self, handled: Handled) -> Held:
         """The part of the test that is judged."""
@@ -220,6 +234,7 @@ class ShakeGrade(LiftGrade):
         f"(up to {TEST.acceleration:.1f} m/s²) along three axes."
     )
     column = "kept when shaken"
+    quantities = ()
 
     def part(self, handled: Handled) -> Held:
         """The part of the test that is judged."""

@@ -18,21 +18,31 @@ LEAST_TANGENT = 0.3  # sine of the angle between a normal and what its first tan
 
 @dataclass(frozen=True)
 class WrenchSpace:
-    """The primitive wrenches of a grasp.
+    """The wrenches that contacts can put on an object, per newton of each contact's normal force.
 
-    wrenches: (m, 6), force (1) for a unit normal force and moment over ``length`` (1) about ``reference`` (3,) [m];
-    length [m]: the characteristic length, which makes moments and forces comparable. model: the contact model in words.
+    basis: (k, 4, 6), the wrench of each component of a contact, as its ``model`` has them: force (1) and moment over
+    ``length`` (1) about ``reference`` (3,) [m]. length [m]: the torque scale, which makes moments comparable.
     """
 
-    wrenches: Array
+    basis: Array
+    model: ContactModel
     reference: Array
     length: float
-    model: str
+
+    @cached_property
+    def wrenches(self) -> Array:
+        """The primitive wrenches (m, 6): of the edges of every contact's model."""
+        each: Array = np.einsum("mc,kci->kmi", self.model.generators(), self.basis)
+        return each.reshape(-1, DIMENSIONS)
+
+    def support(self, directions: Array) -> Array:
+        """How far (n,) the convex hull of all contacts' wrenches reaches along directions (n, 6), with round cones."""
+        return np.asarray(self.model.support(np.einsum("kci,ni->nkc", self.basis, directions)).max(axis=1))
 
     @cached_property
     def decomposition(self) -> tuple[Array, Array, Array]:
         """U (m, r), singular values (r,) and Vᵀ (r, 6) of the wrenches, r their rank."""
-        if len(self.wrenches) == 0:
+        if len(self.basis) == 0:
             return np.zeros((0, 0)), np.zeros(0), np.zeros((0, DIMENSIONS))
         left, values, right = np.linalg.svd(self.wrenches, full_matrices=False)
         kept = values > RANK_TOLERANCE * values[0]
@@ -52,7 +62,7 @@ def wrench_space(
     reference: Array | None = None,
     length: float | None = None,
 ) -> WrenchSpace:
-    """The primitive wrenches of contacts.
+    """The wrenches of contacts.
 
     points: (k, 3) [m]; normals: (k, 3), into the object, of any length; reference: (3,) [m], what moments are taken
     about, the centroid of the contacts by default (give the object's centre of mass to judge how it can be held);
@@ -71,17 +81,16 @@ def wrench_space(
     if (sizes == 0.0).any():
         raise ValueError("a contact's normal has a length")
     levers = points - reference
+    longest = float(np.linalg.norm(levers, axis=1).max(initial=0.0)) or 1.0
     if length is None:
-        length = float(np.linalg.norm(levers, axis=1).max(initial=0.0)) or 1.0
+        length = longest
     if not 0.0 < length < np.inf:
         raise ValueError(f"a characteristic length is above zero, found {length}")
-    frames = contact_frames(levers / length, normals / sizes[:, None])
-    generators = model.generators()
-    forces = np.einsum("mc,kci->kmi", generators[:, :3], frames)
-    torsions = np.einsum("m,ki->kmi", generators[:, 3], frames[:, 0])
-    moments = (cross(levers[:, None], forces) + torsions) / length
-    wrenches = np.concatenate([forces, moments], axis=-1).reshape(-1, DIMENSIONS)
-    return WrenchSpace(wrenches, reference, length, model.name)
+    frames = contact_frames(levers / longest, normals / sizes[:, None])
+    forces = np.concatenate([frames, np.zeros((len(points), 1, 3))], axis=1)
+    moments = cross(levers[:, None], forces)
+    moments[:, 3] = frames[:, 0]
+    return WrenchSpace(np.concatenate([forces, moments / length], axis=-1), model, reference, length)
 
 
 def contact_frames(levers: Array, normals: Array) -> Array:

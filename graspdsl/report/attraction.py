@@ -14,8 +14,9 @@ import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.places.files import MAP_DATA
+from graspdsl.report.modes import modes
 from graspdsl.report.outcomes import Said, grouped
-from graspdsl.report.statistics import Interval, modes, wilson
+from graspdsl.report.statistics import Interval, wilson
 from graspdsl.trials.maps import Axis, Cells, cells_of
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.runner import program_of_run

@@ -1,10 +1,11 @@
-"""Runs side by side: what each did, and differences from the first with intervals."""
+"""Runs side by side: what each did, which are the same, and differences from the first with intervals."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from graspdsl.arrays import Array, Flags
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.outcomes import OutcomeCount
+from graspdsl.report.sameness import Pairs, Sameness, sameness_table, samenesses
 from graspdsl.report.statistics import (
     Estimate,
     difference_of_medians,
@@ -22,11 +24,9 @@ from graspdsl.report.statistics import (
 )
 from graspdsl.report.summary import Summary
 from graspdsl.report.tables import TEXT, Column, Table, Value, fixed
-from graspdsl.report.wording import NOTHING, percent, percents
+from graspdsl.report.wording import NOTHING, STOPPED, percent, percents
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
-
-Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of the first run, of the other
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +101,7 @@ class ComparedRun:
                 {"centre": mode.centre, "share": mode.share, "interval": mode.interval, "count": len(mode.trials)}
                 for mode in one.modes
             ],
+            "stopped": {"share": one.stopped.share, "interval": one.stopped.interval, "count": len(one.stopped.trials)},
             "medians": self.medians,
         }
 
@@ -128,39 +129,46 @@ class Against:
 class Comparison:
     """Everything ``compare`` says; what could not be measured is None.
 
-    ``measures``: what each of MEASURES is called. Medians are over all finished trials that have the measure, those of
-    costs over converged ones.
+    ``measures``: what each of MEASURES is called that some run has. Medians are over all finished trials that have the
+    measure, those of costs over converged ones. ``sameness`` of every pair of runs.
     """
 
     measures: Mapping[str, str]
     runs: tuple[ComparedRun, ...]
     against_first: tuple[Against, ...]
+    sameness: tuple[Sameness, ...]
 
 
 def comparison(runs: Sequence[tuple[Evidence, Summary]]) -> Comparison:
     """The comparison of runs with the first of them. Raises DiagnosticError when the spec of one cannot be read."""
-    first, *others = [evidence for evidence, _ in runs]
+    evidences = [evidence for evidence, _ in runs]
+    known = {
+        name: measure
+        for name, measure in MEASURES.items()
+        if any(len(measure.values(evidence.records)) for evidence in evidences)
+    }
+    equal = {(i, j): pairs_of(evidences[i], evidences[j]) for i, j in combinations(range(len(evidences)), 2)}
     return Comparison(
-        {name: measure.label for name, measure in MEASURES.items()},
-        tuple(_compared(evidence, summary) for evidence, summary in runs),
-        tuple(_against(first, other) for other in others),
+        {name: measure.label for name, measure in known.items()},
+        tuple(_compared(evidence, summary, known) for evidence, summary in runs),
+        tuple(_against(evidences[0], other, equal[0, place], known) for place, other in enumerate(evidences[1:], 1)),
+        samenesses(evidences, equal),
     )
 
 
-def _compared(evidence: Evidence, summary: Summary) -> ComparedRun:
-    medians = {name: median(measure.values(evidence.records)) for name, measure in MEASURES.items()}
+def _compared(evidence: Evidence, summary: Summary, known: Mapping[str, Measure]) -> ComparedRun:
+    medians = {name: median(measure.values(evidence.records)) for name, measure in known.items()}
     return ComparedRun(summary, tuple(evidence.folder.manifest.settings), medians)
 
 
-def _against(first: Evidence, other: Evidence) -> Against:
-    pairs = pairs_of(first, other)
+def _against(first: Evidence, other: Evidence, pairs: Pairs, known: Mapping[str, Measure]) -> Against:
     paired = len(pairs) > 0 and 2 * len(pairs) >= min(len(first.records), len(other.records))
     if paired:
         converged = difference_of_paired_shares(_converged([b for _, b in pairs]), _converged([a for a, _ in pairs]))
     else:
         converged = difference_of_shares(_converged(other.records), _converged(first.records))
     differences, ratios = {}, {}
-    for name, measure in MEASURES.items():
+    for name, measure in known.items():
         theirs, ours = (
             measure.paired(pairs) if paired else (measure.values(first.records), measure.values(other.records))
         )
@@ -216,9 +224,16 @@ def _converged(records: Sequence[TrialRecord]) -> Flags:
 
 def comparison_tables(found: Comparison) -> list[Table]:
     """The tables of a comparison: a column for each run."""
-    runs, others = found.runs, found.against_first
+    runs = found.runs
     names = [str(place) for place in range(1, len(runs) + 1)]
-    return [_outcomes(runs, names), _modes(runs, names), _medians(runs, names), _against_table(others, names[1:])]
+    tables = (
+        sameness_table(found.sameness, names),
+        _outcomes(runs, names),
+        _modes(runs, names),
+        _medians(found, names),
+        _against_table(found, names[1:]),
+    )
+    return [made for made in tables if made.rows]
 
 
 def methods_of(found: Comparison) -> list[str]:
@@ -236,11 +251,18 @@ def methods_of(found: Comparison) -> list[str]:
 def _side_by_side(
     title: str, first: str, names: Sequence[str], rows: Sequence[tuple[Any, ...]], note: str = ""
 ) -> Table:
-    return Table(title, (Column(first), *(Column(name, TEXT) for name in names)), tuple(rows), note)
+    """A table without the rows in which no run has anything."""
+    told = tuple(row for row in rows if any(not _is_nothing(cell) for cell in row[1:]))
+    return Table(title, (Column(first), *(Column(name, TEXT) for name in names)), told, note)
+
+
+def _is_nothing(cell: object) -> bool:
+    return (cell.value if isinstance(cell, Value) else cell) in (None, NOTHING)
 
 
 _SHARE = replace(TEXT, text=lambda found: f"{percent(found.share)}, {percents(found.interval)}")
 _COUNTED = replace(TEXT, text=lambda found: f"{found.count}: {_SHARE.text(found)}")
+_STOPPED = replace(TEXT, text=lambda found: f"{len(found.trials)}: {_SHARE.text(found)}")
 _MODE = replace(TEXT, text=lambda mode: f"{mode.centre:.2f} rad: {_SHARE.text(mode)}")
 
 
@@ -258,23 +280,26 @@ def _outcome(found: Mapping[str, OutcomeCount], name: str) -> object:
 
 
 def _modes(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
-    columns = [run.summary.modes for run in runs]
+    columns, stops = [run.summary.modes for run in runs], [run.summary.stopped for run in runs]
     rows = [
         (str(place + 1), *[Value(modes[place] if place < len(modes) else None, _MODE) for modes in columns])
         for place in range(max(map(len, columns)))
     ]
-    return _side_by_side("Modes of the end orientation: shares with 95 % intervals", "mode", names, rows)
+    rows.append((STOPPED, *[Value(stopped if stopped.of else None, _STOPPED) for stopped in stops]))
+    note = "of trials that settled in contact; stopped ones: of all that ended in contact"
+    return _side_by_side("Modes of the end orientation: shares with 95 % intervals", "mode", names, rows, note)
 
 
-def _medians(runs: Sequence[ComparedRun], names: Sequence[str]) -> Table:
+def _medians(found: Comparison, names: Sequence[str]) -> Table:
     rows = [
-        (measure.label, *[Value(run.medians[name], fixed(measure.digits)) for run in runs])
-        for name, measure in MEASURES.items()
+        (label, *[Value(run.medians[name], fixed(MEASURES[name].digits)) for run in found.runs])
+        for name, label in found.measures.items()
     ]
     return _side_by_side("Medians", "measure", names, rows, "* of converged trials")
 
 
-def _against_table(others: Sequence[Against], names: Sequence[str]) -> Table:
+def _against_table(found: Comparison, names: Sequence[str]) -> Table:
+    others, measures = found.against_first, {name: MEASURES[name] for name in found.measures}
     points = replace(TEXT, text=_points)
     rows: list[tuple[object, ...]] = [
         ("pairs of equal starts", *[_pairs(other) for other in others]),
@@ -282,12 +307,12 @@ def _against_table(others: Sequence[Against], names: Sequence[str]) -> Table:
         ("pairs of which only this one converged", *[other.only_other_converged for other in others]),
         ("pairs of which only run 1 converged", *[other.only_first_converged for other in others]),
     ]
-    for name, measure in MEASURES.items():
+    for name, measure in measures.items():
         if measure.ratio:
             rows.append((f"{measure.label}, ratio", *[_estimate(other.ratios[name], ".3g") for other in others]))
-    for name, measure in MEASURES.items():
-        found = [_estimate(other.differences[name], f"+.{measure.digits}f") for other in others]
-        rows.append((f"{measure.label}, difference", *found))
+    for name, measure in measures.items():
+        told = [_estimate(other.differences[name], f"+.{measure.digits}f") for other in others]
+        rows.append((f"{measure.label}, difference", *told))
     turned = [Value(other.orientation_difference, fixed(3)) for other in others]
     rows.append(("turned from its pair, median [rad] *", *turned))
     note = "* of converged trials; where trials are paired, of pairs that both converged"

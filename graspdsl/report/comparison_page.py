@@ -21,6 +21,7 @@ from graspdsl.report.comparison import Comparison, comparison_tables, methods_of
 from graspdsl.report.drawing import ORIENTATIONS, SMALL, Drawing, over_orientations, panels_of
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.palette import LIGHT, series
+from graspdsl.report.sameness import said_of
 from graspdsl.report.statistics import Band, band, bandwidth, density
 from graspdsl.report.summary import plain
 from graspdsl.report.templating import rendered
@@ -43,13 +44,14 @@ class Side:
 
 
 def orientation_figure(sides: Sequence[Side]) -> Figure:
-    """Densities of the orientations at the end, one over the other."""
+    """Densities of the orientations in which trials settled, one over the other."""
     figure, (axes,) = panels_of(2.9, (1.0,))
     for place, side in enumerate(sides):
-        ends = np.array([record.orientation_end for record in side.evidence.records], dtype=float)
+        touching = filter(side.evidence.touching, side.evidence.records)
+        ends = np.array([record.orientation_end for record in touching if record.outcome.settled], dtype=float)
         known = ends[np.isfinite(ends)]
         heights = density(known, ORIENTATIONS, bandwidth(known)) if len(known) else np.full_like(ORIENTATIONS, math.nan)
-        _line(axes, place, ORIENTATIONS, heights, f"{side.label}, {len(known)} trials")
+        _line(axes, place, ORIENTATIONS, heights, f"{side.label}, {len(known)} settled")
         if len(known):
             axes.fill_between(ORIENTATIONS, heights, color=LIGHT[series(place)], alpha=0.10, linewidth=0)
     axes.set_ylim(0.0, None)
@@ -155,7 +157,8 @@ def _legend(figure: Figure, axes: Axes) -> None:
 FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
     "orientation": (
         orientation_figure,
-        "Densities of the orientation of grasps at the end of each run's trials, over all that have one.",
+        "Densities of the orientation of grasps at the end of each run's trials, over those that settled with all "
+        "contacts touching.",
     ),
     "residuals": (
         residual_figure,
@@ -194,6 +197,7 @@ def page(found: Comparison, figures: Sequence[Drawing]) -> str:
     return rendered(
         "compare.html",
         runs=found.runs,
+        said=said_of(found.sameness),
         tables=comparison_tables(found),
         methods=methods_of(found),
         figures=figures,

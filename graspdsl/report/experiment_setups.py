@@ -58,6 +58,8 @@ def _departures(program: Program, setup: Setup) -> Iterator[str]:
         yield f"its object is {found}, not {setup.object}"
     if scene.hand != HAND:
         yield f"its hand is {scene.hand}, not {HAND}"
+    if scene.gravity == 0.0:
+        yield "nothing in it has weight"
     if (approach := trials.start.approach or "side") != setup.approach:
         yield f"the hand comes from the {approach}, not from the {setup.approach}"
     if trials.grid is not None:

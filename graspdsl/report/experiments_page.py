@@ -17,9 +17,10 @@ TITLE = "The chapter's experiments"
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """How many claims agree, differ and cannot be told, in a sentence."""
-    agree, differ, untold = (sum(claim.verdict is kind for claim in claims) for kind in Verdict)
-    return f"{agree} of {len(claims)} points agree with the chapter, {differ} differ, {untold} cannot be told."
+    """How many claims agree, differ, cannot be told and are no evidence, in a sentence."""
+    agree, differ, untold, nothing = (sum(claim.verdict is kind for claim in claims) for kind in Verdict)
+    said = f"{agree} of {len(claims)} points agree with the chapter; differ: {differ}; cannot be told: {untold}"
+    return f"{said}; no evidence: {nothing}."
 
 
 def write_experiments(place: Path, claims: Sequence[Claim], reports: Mapping[str, str]) -> Path:

@@ -34,8 +34,10 @@ def drawn_funnel(evidence: Evidence, summary: Summary) -> Drawing | None:
     """Where grasps started and ended; None where no grasp had an orientation."""
     before = _angles(summary.orientation_start)
     touched = np.array([bool(touching) for touching in summary.in_contact_end], dtype=bool)
-    after = np.where(touched, _angles(summary.orientation_end), math.nan)
-    if not (np.isfinite(before).any() or np.isfinite(after).any()):
+    settled = np.array([record.outcome.settled for record in evidence.records], dtype=bool)
+    ends = np.where(touched, _angles(summary.orientation_end), math.nan)
+    after, stopped = np.where(settled, ends, math.nan), np.where(settled, math.nan, ends)
+    if not (np.isfinite(before).any() or np.isfinite(ends).any()):
         return None
     ranks = {number: rank for rank, mode in enumerate(summary.modes) for number in mode.trials}
     of_trial = [ranks.get(record.number, -1) for record in evidence.records]
@@ -43,11 +45,12 @@ def drawn_funnel(evidence: Evidence, summary: Summary) -> Drawing | None:
     widths = [f"{bandwidth(known):.3f} rad" for known in (before[np.isfinite(before)], after[np.isfinite(after)])]
     caption = (
         "Orientation of the grasp against the object's axis, before the controller (above) and at the end (below); a "
-        "line joins the two of a trial, in the colour of its mode; × is a trial that does not count at the end. "
+        "line joins the two of a trial, in the colour of its mode, or in grey and dashed where a monitor stopped it "
+        "before it settled: such a trial is in no mode and not in the density; × is one that ended with a contact off. "
         "Curves: densities by a Gaussian kernel, reflected at 0 and π/2, "
         f"bandwidth {widths[0]} before and {widths[1]} after; ticks on the axes: single trials; vertical lines: modes."
     )
-    return Drawing("funnel", funnel_figure(Funnel(before, after, of_trial, centres)), caption)
+    return Drawing("funnel", funnel_figure(Funnel(before, after, stopped, of_trial, centres)), caption)
 
 
 def drawn_residuals(evidence: Evidence, summary: Summary) -> list[Drawing]:
@@ -150,11 +153,13 @@ def _curves(evidence: Evidence, members: Sequence[int]) -> tuple[Band, Band] | N
 
 @dataclass(frozen=True, slots=True)
 class Funnel:
-    """Orientations [rad] before and after, (n,) each by trial, NaN for those that do not count; ``mode``: the mode each
-    trial ended in, by rank from 0, −1 for none; ``centres``: the peaks [rad] of the modes by rank."""
+    """Orientations [rad] before and after, or where a monitor stopped the trial, (n,) each by trial, NaN for those that
+    do not count; ``mode``: the mode each trial ended in, by rank from 0, −1 for none; ``centres``: the peaks [rad] of
+    the modes by rank."""
 
     before: Array
     after: Array
+    stopped: Array
     mode: Sequence[int]
     centres: Sequence[float]
 
@@ -166,7 +171,8 @@ def funnel_figure(funnel: Funnel) -> Figure:
     _density(above, before, "before", "before the controller")
     above.tick_params(axis="x", length=0)  # only the rug, which they would look like
     _ways(between, funnel)
-    _density(below, after, "ink", "after it")
+    _density(below, after, "ink", "settled after it")
+    _rug_of_stopped(below, funnel.stopped[np.isfinite(funnel.stopped)])
     if len(after):
         peaks = density(after, np.asarray(funnel.centres), bandwidth(after))
         for rank, (centre, peak) in enumerate(zip(funnel.centres, peaks, strict=True)):
@@ -284,14 +290,27 @@ def _density(axes: Axes, values: Array, colour: str, label: str) -> None:
         axes.set_yticks([])
 
 
+def _rug_of_stopped(axes: Axes, values: Array) -> None:
+    """Single trials that a monitor stopped, in grey above the density of those that settled."""
+    if len(values):
+        axes.plot(values, np.ones_like(values), "|", color=LIGHT["before"], markersize=7, markeredgewidth=0.9,
+                  transform=axes.get_xaxis_transform(), clip_on=False)  # fmt: skip
+        said = f"| stopped by a monitor, {counted(len(values), 'trial', 'trials')}"
+        axes.set_title(said, loc="right", fontsize=MEDIUM, color=LIGHT["before"])
+
+
 def _ways(axes: Axes, funnel: Funnel) -> None:
-    """A line for each trial from its orientation before to that after; grey and open for one that ended in no mode."""
+    """A line for each trial from its orientation before to that after, or to where it was stopped, in grey; a mark for
+    one that counts in neither."""
     chosen = np.unique(np.linspace(0, len(funnel.mode) - 1, min(len(funnel.mode), MOST_PATHS)).astype(int))
     for trial in chosen:
         before, after, rank = funnel.before[trial], funnel.after[trial], funnel.mode[trial]
         if math.isfinite(before) and math.isfinite(after):
             colour = LIGHT[series(rank)]
             axes.plot([before, after], [1.0, 0.0], color=colour, linewidth=0.9, alpha=0.75)
+        elif math.isfinite(before) and math.isfinite(funnel.stopped[trial]):
+            axes.plot([before, funnel.stopped[trial]], [1.0, 0.0], color=LIGHT["before"], linewidth=0.9, alpha=0.75,
+                      linestyle=(0, (4, 3)))  # fmt: skip
         elif math.isfinite(before):
             axes.plot([before], [1.0], "x", color=LIGHT["before"], markersize=4.5, clip_on=False)
     axes.set_ylim(-0.04, 1.04)

@@ -1,4 +1,4 @@
-"""Whether a number of a run keeps a bound: it does, it does not, or too few trials ended to tell."""
+"""Whether a number of a run keeps a bound: it does, it does not, too few trials ended to tell, or it had to."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ class Verdict(StrEnum):
     AGREES = "agrees"
     DIFFERS = "differs"
     UNTOLD = "cannot be told"
+    NO_EVIDENCE = "no evidence"  # where no run could have shown anything else
 
     @property
     def mark(self) -> str:
@@ -25,7 +26,7 @@ class Verdict(StrEnum):
         return f"{_SIGNS[self]} {self.value}"
 
 
-_SIGNS = {Verdict.AGREES: "✓", Verdict.DIFFERS: "✗", Verdict.UNTOLD: "?"}
+_SIGNS = {Verdict.AGREES: "✓", Verdict.DIFFERS: "✗", Verdict.UNTOLD: "?", Verdict.NO_EVIDENCE: "○"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +75,6 @@ def judged_value(value: float | None, interval: Interval | None, trials: int, lo
         return Judgement(verdict, trials)
     needed = trials * max(width / gap for width, gap in sides) ** 2
     return Judgement(verdict, trials, max(trials + 1, math.ceil(needed)) if needed <= MOST else None)
-
-
-def judged_near(value: float | None, interval: Interval | None, trials: int, low: float, high: float) -> Judgement:
-    """Whether a number is as near to another as the bounds say: by itself, and that it is not by its 95 % interval."""
-    judged = judged_value(value, interval, trials, low, high)
-    if value is None or interval is None or not low <= value <= high:
-        return judged
-    return Judgement(Verdict.AGREES, trials)
 
 
 def every(*judgements: Judgement) -> Judgement:

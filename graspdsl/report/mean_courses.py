@@ -19,22 +19,20 @@ from graspdsl.report.statistics import (
     percentile_interval,
 )
 
-SETTLED = 0.9  # of the way that a mean residual falls
-
 
 @dataclass(frozen=True, slots=True)
 class MeanCourses:
     """The mean force and moment residuals of some trials by tick, each trial keeping its last value.
 
-    ``settled``: the first ticks at which they are SETTLED down, None for one that does not fall. lag: by how many ticks
-    the moment is later, −∞ where one of them does not fall, with an interval of trials drawn again. rise: how far the
-    mean force rises, over where it starts: between the two ticks at which the mean of one half of the trials rises
+    ``falls``: after how many ticks they fall, the mean over all that they fall by; None for one that does not fall.
+    lag: by how many ticks the moment falls later, −∞ where one of them does not fall, with an interval of trials drawn
+    again. rise: how far the mean force rises, between the two ticks at which the mean of one half of the trials rises
     most, that of the other half, so that what is only scatter does not count; with Student's interval. Intervals are
     None for fewer than FEWEST trials.
     """
 
     trials: int
-    settled: tuple[int | None, int | None]
+    falls: tuple[float | None, float | None]
     lag: float
     lag_interval: Interval | None
     rise: float
@@ -48,40 +46,44 @@ def mean_courses(courses: Sequence[ResidualCourse]) -> MeanCourses | None:
         return None
     force, moment = (held_to_the_longest([getattr(course, kind) for course in whole]) for kind in ("force", "moment"))
     count = len(whole)
-    means = force.mean(axis=0), moment.mean(axis=0)
-    rises = rises_of_others(force)
+    rises, everyone = rises_of_others(force), np.ones((1, count))
+    fell, then_fell = fall_times(force, everyone), fall_times(moment, everyone)
     lags, risen = None, None
     if count >= FEWEST:
-        again = ((drawn @ force, drawn @ moment) for drawn in drawn_again(count))
-        lags = percentile_interval(np.array([lag_of(*pair) for pairs in again for pair in zip(*pairs, strict=True)]))
+        again = np.concatenate(list(drawn_again(count)))
+        lags = percentile_interval(_later(fall_times(force, again), fall_times(moment, again)))
         risen = mean_interval(rises)
-    settled = settled_at(means[0]), settled_at(means[1])
-    return MeanCourses(count, settled, lag_of(*means), lags, float(rises.mean()), risen)
+    falls = (_known(float(fell[0])), _known(float(then_fell[0])))
+    return MeanCourses(count, falls, float(_later(fell, then_fell)[0]), lags, float(rises.mean()), risen)
 
 
-def settled_at(course: Array) -> int | None:
-    """The first tick from which on a course (t,) has fallen most of the way from its start to its end; None: never."""
-    if not course[-1] < course[0]:
-        return None
-    bound = course[-1] + (1.0 - SETTLED) * (course[0] - course[-1])
-    return int(np.flatnonzero(course > bound)[-1]) + 1
+def fall_times(courses: Array, drawn: Array) -> Array:
+    """After how many ticks the means of courses (n, t) fall, for each way (r, n) of drawing these: (r,).
 
-
-def lag_of(force: Array, moment: Array) -> float:
-    """By how many ticks a moment (t,) settles after a force (t,); −∞ where one of them does not fall."""
-    first, then = settled_at(force), settled_at(moment)
-    return -math.inf if first is None or then is None else float(then - first)
+    The mean over all levels between start and end of the time that is spent above a level: ∫(ρ − ρ_end)/(ρ_0 − ρ_end)
+    dt, which is τ of ρ = exp(−t/τ). NaN where a mean does not end lower than it starts.
+    """
+    above = drawn @ (courses - courses[:, -1:]).sum(axis=1)
+    fallen = drawn @ (courses[:, 0] - courses[:, -1])
+    return np.asarray(np.divide(above, fallen, out=np.full(len(drawn), np.nan), where=fallen > 0.0))
 
 
 def rises_of_others(courses: Array) -> Array:
-    """How far each of courses (n, t) rises where the mean of the other half rises most, (n,), over their mean start."""
+    """How far each of courses (n, t) rises where the mean of the other half rises most, (n,)."""
     rises, halves = np.zeros(len(courses)), (slice(0, None, 2), slice(1, None, 2))
     for half, other in (halves, halves[::-1]):
         if len(courses[other]):
             first, last = _steepest(courses[other].mean(axis=0))
             rises[half] = courses[half, last] - courses[half, first]
-    start = float(courses[:, 0].mean())
-    return rises / start if start > 0.0 else np.where(rises > 0.0, math.inf, 0.0)
+    return rises
+
+
+def _later(first: Array, then: Array) -> Array:
+    return np.nan_to_num(then - first, nan=-math.inf)
+
+
+def _known(time: float) -> float | None:
+    return time if math.isfinite(time) else None
 
 
 def _steepest(course: Array) -> tuple[int, int]:

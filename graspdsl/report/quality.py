@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from graspdsl.quality.grade import Grade
+from graspdsl.quality.grade import Found, Grade
 from graspdsl.quality.grades import GRADES
 from graspdsl.report.statistics import Interval, median, wilson
 from graspdsl.trials.outcomes import Outcome
@@ -27,10 +27,11 @@ class Passed:
 
 @dataclass(frozen=True, slots=True)
 class GradeMedian:
-    """The median of a quantity of a grade, in its unit, over the grasps that have it."""
+    """The median and the range of a quantity of a grade, in its unit, over the grasps that have it."""
 
     median: float | None
     of: int
+    range: Interval | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +62,31 @@ class Confusion:
 
 
 @dataclass(frozen=True, slots=True)
+class Conventions:
+    """By what all grasps of a run were judged: torque scale [m], what it is, edges of a friction pyramid, and how many
+    grasps by which contact model."""
+
+    torque_scale: float
+    scale: str
+    edges: int
+    models: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
 class Quality:
-    """The grades that some trial has, by their keys; none, and no confusion, where nothing was graded."""
+    """The grades that some trial has, by their keys; none, and no confusion, where nothing was graded.
+
+    conventions: None where no grade needs any.
+    """
 
     grades: Mapping[str, GradeSummary]
     confusion: Confusion
+    conventions: Conventions | None = None
 
     def as_data(self) -> dict[str, Any]:
         """Nothing where nothing was graded."""
-        return {**self.grades, "confusion": self.confusion} if self.grades else {}
+        conventions = {"conventions": self.conventions} if self.conventions else {}
+        return {**self.grades, **conventions, "confusion": self.confusion} if self.grades else {}
 
 
 def quality(records: Sequence[TrialRecord]) -> Quality:
@@ -80,7 +97,19 @@ def quality(records: Sequence[TrialRecord]) -> Quality:
         grades = [record.quality[name] for record in begun if name in record.quality]
         if grades:
             found[grade.key] = _graded(grade, grades)
-    return Quality(found, _confusion(begun))
+    return Quality(found, _confusion(begun), _conventions(begun))
+
+
+def _conventions(records: Sequence[TrialRecord]) -> Conventions | None:
+    judged = [found for record in records if (found := next(filter(_has_conventions, record.quality.values()), None))]
+    if not judged:
+        return None
+    models = Counter(found["model"] for found in judged if found["model"])
+    return Conventions(judged[0]["length"], judged[0]["scale"], judged[0]["edges"], dict(models.most_common()))
+
+
+def _has_conventions(found: Found) -> bool:
+    return "scale" in found
 
 
 def _graded(grade: Grade, found: Sequence[Mapping[str, Any]]) -> GradeSummary:
@@ -91,7 +120,7 @@ def _graded(grade: Grade, found: Sequence[Mapping[str, Any]]) -> GradeSummary:
     medians = {}
     for quantity in grade.quantities:
         known = [one[quantity.key]["value"] for one in found if one[quantity.key]["value"] is not None]
-        medians[quantity.key] = GradeMedian(median(known), len(known))
+        medians[quantity.key] = GradeMedian(median(known), len(known), (min(known), max(known)) if known else None)
     told = found if grade.passed else [one[grade.quantities[0].key] for one in found]
     reasons = Counter(one["reason"] for one in told if one["reason"])
     return GradeSummary(grade, passed, medians, dict(reasons.most_common()))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from graspdsl.report.balance import Holding
 from graspdsl.report.claims import Claim
-from graspdsl.report.quality import Confusion, GradeSummary, Quality
+from graspdsl.report.modes import LEVEL
+from graspdsl.report.quality import Confusion, Conventions, GradeSummary, Quality
 from graspdsl.report.start_selection import StartNumber
+from graspdsl.report.statistics import FEWEST
 from graspdsl.report.summary import ModeSummary, Summary
 from graspdsl.report.tables import (
     COUNT,
@@ -17,6 +20,7 @@ from graspdsl.report.tables import (
     REASONS,
     SHARE,
     TEXT,
+    WORDS,
     Column,
     Format,
     Table,
@@ -27,16 +31,15 @@ from graspdsl.report.tables import (
     squared,
     trials_named,
 )
-from graspdsl.report.wording import counted, percent, percents, quantiles
+from graspdsl.report.wording import STOPPED, counted, percent, percents, quantiles
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
 MOST_ROWS = 5000  # trials that a page lists
-
 RADIANS, RESIDUAL, NEWTONS = fixed(2, "rad"), fixed(3), fixed(2, "N")
 MILLIMETRES_FINELY, DEGREES = fixed(2, "mm", 1e3), fixed(2, "°", math.degrees(1.0))
 SQUARED, SQUARED_MILLIMETRES = squared(), squared("mm²", 1e6)
-WHOLE, LEAK, SECONDS = fixed(0), scaled(".0e"), fixed(1, "s")
+WHOLE, SECONDS = fixed(0), fixed(1, "s")
 SHARES = (Column("trials", COUNT), Column("share", SHARE), Column("95 % interval", INTERVAL))
 
 
@@ -46,9 +49,10 @@ def brief_tables(summary: Summary) -> list[Table]:
     selected = [rejected_table(summary), kept_table(summary)] if summary.starts.rejected else []
     return [
         outcomes_table(summary).first(4),
-        *(table for table in (reasons, *selected) if table.rows),
+        *(table for table in (reasons, stages_table(summary), *selected) if table.rows),
         brief_modes_table(summary),
         measured_table(summary),
+        *([balance_table(summary.balance)] if summary.balance.trials else []),
         *([brief_quality_table(summary.quality)] if graded else []),
     ]
 
@@ -90,6 +94,35 @@ def reasons_table(title: str, reasons: Sequence[tuple[str, str, int, int]]) -> T
     return Table(title, (Column("outcome"), Column("what was said")), rows)
 
 
+def stages_table(summary: Summary) -> Table:
+    """A row for each stage."""
+    rows = tuple(
+        (
+            one.name,
+            one.trials,
+            one.ended,
+            one.went_back,
+            one.ticks,
+            one.force_residual,
+            one.moment_residual,
+        )
+        for one in summary.stages
+    )
+    columns = (
+        Column("stage"),
+        Column("trials", COUNT),
+        Column("ended", COUNT),
+        Column("went back", COUNT),
+        Column("ticks", WHOLE),
+        Column("‖ρ_f‖", RESIDUAL),
+        Column("‖ρ_m‖", MILLIMETRES),
+    )
+    controllers = ", then ".join(one.controller for one in summary.stages)
+    medians = f"Medians of ticks in a stage, and of residuals where the next took over{lost_said(summary)}."
+    note = f"{medians} Controllers: {controllers}."
+    return Table("Stages: in which of them trials ended", columns, rows, note)
+
+
 def modes_table(summary: Summary) -> Table:
     """The modes of the end orientation, each with the medians of its trials."""
     columns = (
@@ -101,11 +134,13 @@ def modes_table(summary: Summary) -> Table:
         Column("‖ρ_m‖", MILLIMETRES),
         Column("ε_m = ‖ρ_m‖²", SQUARED_MILLIMETRES),
     )
-    rows = tuple(
+    rows = [
         (rank, *_shares(mode), mode.force_residual, mode.force_squared, mode.moment_residual, mode.moment_squared)
         for rank, mode in enumerate(summary.modes, 1)
-    )
-    return Table("Modes of the end orientation", columns, rows, "Residuals: medians over a mode's trials.")
+    ]
+    rows += [(Value(STOPPED, WORDS), None, *stopped, None, None, None, None) for stopped in _stopped(summary)]
+    note = f"Modes are {modes_said(summary)}. Residuals: medians over a mode's trials."
+    return Table("Modes of the end orientation", columns, tuple(rows), note)
 
 
 def brief_modes_table(summary: Summary) -> Table:
@@ -116,10 +151,34 @@ def brief_modes_table(summary: Summary) -> Table:
         Column("‖ρ_f‖", RESIDUAL),
         Column("‖ρ_m‖", MILLIMETRES),
     )
-    rows = tuple((*_shares(mode), mode.force_residual, mode.moment_residual) for mode in summary.modes)
-    base = summary.modes[0].of if summary.modes else summary.in_contact_end.count(True)
-    note = f"of {counted(base, 'trial', 'trials')} whose contacts all touched at the end"
-    return Table("Where grasps ended: modes of orientation, with medians", columns, rows, note)
+    rows = [(*_shares(mode), mode.force_residual, mode.moment_residual) for mode in summary.modes]
+    rows += [(Value(STOPPED, WORDS), *stopped, None, None) for stopped in _stopped(summary)]
+    return Table("Where grasps ended: modes of orientation, with medians", columns, tuple(rows), modes_said(summary))
+
+
+def modes_said(summary: Summary) -> str:
+    """What the modes are of, and that one is no proof that there is no other."""
+    settled = summary.modes[0].of if summary.modes else 0
+    said = f"of {counted(settled, 'trial', 'trials')} that settled in contact"
+    if len(summary.modes) == 1 and settled < FEWEST:
+        said += f"; fewer than {FEWEST} cannot show a second mode"
+    elif len(summary.modes) == 1:
+        said += f"; no second mode could be shown, at a level of {percent(LEVEL)}"
+    if summary.stopped.trials:
+        said += f"; stopped ones: of {summary.stopped.of} that ended in contact"
+    return said + lost_said(summary)
+
+
+def lost_said(summary: Summary) -> str:
+    """How many trials cannot be told of; nothing where all can."""
+    trials = counted(len(summary.lost), "trial", "trials")
+    return f"; {trials} left out, with trajectories that cannot be read" if summary.lost else ""
+
+
+def _stopped(summary: Summary) -> list[tuple[object, ...]]:
+    """The row of the trials that a monitor stopped, where there are any."""
+    stopped = summary.stopped
+    return [(len(stopped.trials), stopped.share, stopped.interval)] if stopped.trials else []
 
 
 def _shares(mode: ModeSummary) -> tuple[object, ...]:
@@ -159,7 +218,7 @@ def measured_table(summary: Summary) -> Table:
         ("tactile samples *", "", summary.samples, WHOLE),
         ("probes, all trials", "", summary.probes or "", WHOLE),
         ("time of a trial *", "", summary.trial_s, SECONDS),
-        ("largest leak of a lower priority", "", summary.largest_leak, LEAK),
+        *_disturbances(summary),
     ]
     return Table(
         "What was measured: medians over trials",
@@ -173,8 +232,46 @@ def measured_table(summary: Summary) -> Table:
     )
 
 
-def _span(unit: str) -> Format:
-    return Format(lambda ends: f"{ends[0]:.2f} … {ends[1]:.2f}", lambda ends: float(ends[0]), unit)
+def balance_table(found: Holding) -> Table:
+    """What acts on the object in converged grasps, and what is left over."""
+    loads = {**found.parties, "together": found.together} if found.together else {}
+    rows = tuple((_PARTIES[party], load.across, load.up, load.moment) for party, load in loads.items())
+    columns = (Column("on the object"), Column("across", _FORCE), Column("up", _FORCE), Column("moment", _MOMENT))
+    note = f"{found.says} In brackets: percentiles 10 to 90 of {counted(found.trials, 'trial', 'trials')}."
+    return Table("What holds converged grasps: medians", columns, rows, note)
+
+
+_PARTIES = {
+    "contacts": "contacts of the fingertips",
+    "links": "other links of the robot",
+    "table": "the table",
+    "gravity": "gravity",
+    "together": "together: what is left over",
+}
+
+
+def _middle(digits: int, unit: str, scale: float = 1.0) -> Format:
+    """Medians of spreads; what is rounded to nothing has no sign."""
+    return Format(
+        lambda found: f"{round(scale * found.median, digits) + 0.0:.{digits}f}",
+        lambda found: scale * found.median,
+        unit,
+    )
+
+
+_FORCE, _MOMENT = _middle(3, "N"), _middle(1, "mN·m", 1e3)
+
+
+def _disturbances(summary: Summary) -> Iterator[tuple[str, object, object, Format]]:
+    """How far each level that others are subject to was disturbed in one tick or probe."""
+    for level in summary.priorities.certified:
+        seen = level.observed
+        yield f"{level.level} disturbed in a tick, at most", "", seen.median, seen.format
+        yield f"  trial {seen.trial}, by {seen.cause}", "", seen.largest, seen.format
+
+
+def _span(unit: str, form: str = ".2f") -> Format:
+    return Format(lambda ends: f"{ends[0]:{form}} … {ends[1]:{form}}", lambda ends: float(ends[0]), unit)
 
 
 def _range(values: Sequence[float | None]) -> tuple[float, float] | None:
@@ -244,6 +341,8 @@ def quality_tables(quality: Quality) -> list[Table]:
         tables.append(_side_by_side(quality.confusion))
     if passing:
         tables.append(_by_outcome(quality.confusion, passing))
+    if quality.conventions:
+        tables[0] = replace(tables[0], note=f"{tables[0].note} {judged_by(quality.conventions)}")
     return tables
 
 
@@ -261,11 +360,18 @@ def _verdicts(grades: Sequence[GradeSummary]) -> Table:
 def _measures(found: GradeSummary) -> Table:
     grade, medians = found.grade, found.medians
     rows = tuple(
-        (_with_unit(one.label, one.unit), Value(medians[one.key].median, scaled(one.form)), medians[one.key].of)
+        (
+            _with_unit(one.label, one.unit),
+            Value(medians[one.key].median, scaled(one.form)),
+            Value(medians[one.key].range, _span("", one.form)),
+            medians[one.key].of,
+        )
         for one in grade.quantities
     )
+    columns = (Column("measure"), Column("median", TEXT), Column("range", TEXT), Column("trials", COUNT))
+    if grade.passed:  # the verdicts say what it is, and why not
+        return Table(grade.label, columns, rows)
     missing = f" Without a measure: {reasons_named(found.reasons)}." if found.reasons else ""
-    columns = (Column("measure"), Column("median", TEXT), Column("trials", COUNT))
     return Table(grade.label, columns, rows, grade.definition + missing)
 
 
@@ -315,17 +421,32 @@ def brief_quality_table(quality: Quality) -> Table:
         ]
         notes += [f"{one.grade.column or one.grade.label}, medians: {', '.join(medians)}"] if medians else []
     columns = (Column(""), *(Column(one.grade.column, TEXT) for one in grades))
-    return Table("How good the grasps are, by outcome", columns, tuple(rows), "; ".join(notes))
+    note = ". ".join(
+        ["; ".join(notes), *([judged_by(quality.conventions).removesuffix(".")] if quality.conventions else [])]
+    )
+    return Table("How good the grasps are, by outcome", columns, tuple(rows), note)
+
+
+def judged_by(found: Conventions) -> str:
+    """By what conventions the grasps of a run were judged, in a sentence or two."""
+    scale = f"Moments are over a torque scale of {1000 * found.torque_scale:.3g} mm, {found.scale}, for all grasps."
+    models = "; ".join(f"{model} ({counted(count, 'grasp', 'grasps')})" for model, count in found.models.items())
+    return f"{scale} Contacts: {models}; {found.edges} edges to a friction cone." if models else scale
 
 
 def claims_table(claims: Sequence[Claim]) -> Table:
     """What the chapter says of this experiment, and what was measured."""
-    rows = tuple((claim.says, claim.bound, claim.measured, claim.verdict.mark, claim.why) for claim in claims)
-    columns = tuple(map(Column, ("the chapter says", "agrees if", "measured", "verdict", "why")))
+    rows = tuple(
+        (claim.says, claim.over, claim.bound, claim.measured, claim.verdict.mark, claim.why or claim.could_fail)
+        for claim in claims
+    )
+    heads = ("the chapter says", "over", "agrees if", "measured", "verdict", "why, or how it could have failed")
+    columns = tuple(map(Column, heads))
     note = (
-        "Agrees: the 95 % interval of what was measured lies within the bound; where the chapter has a number, what "
-        "was measured is as near. Differs: the interval lies outside. Cannot be told: neither, or too few trials "
-        "ended. Intervals of shares are those of Clopper and Pearson here."
+        "Agrees: the 95 % interval of what was measured lies within the bound. Differs: it lies outside. Cannot be "
+        "told: neither, or too few trials ended. No evidence: no run of this spec could show anything else. "
+        "Control begins where the controller takes over from the guarded close; 20 s of it are the chapter's 1000 "
+        "iterations. Intervals of shares are those of Clopper and Pearson here."
     )
     return Table("The chapter's claims", columns, rows, note)
 

@@ -1,4 +1,4 @@
-"""Statistics of runs: medians, densities and their modes, courses as one, and intervals of 95 %.
+"""Statistics of runs: medians, densities, courses as one, and intervals of 95 %.
 
 Intervals of a share are Wilson's where it is told, and exact where a claim is judged by it; those of medians are of
 order statistics; of differences of shares Newcombe's score methods, of medians the bootstrap. What draws at random
@@ -12,7 +12,6 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -99,52 +98,13 @@ def density(values: Array, at: Array, width: float) -> Array:
     return np.asarray(kernels.sum(axis=1) / (len(values) * width * math.sqrt(2 * math.pi)))
 
 
-@dataclass(frozen=True, slots=True)
-class Mode:
-    """A mode of the end orientations [rad]: its peak, the range it covers and the trials in it, by position."""
-
-    centre: float
-    low: float
-    high: float
-    members: tuple[int, ...]
-
-
-def modes(values: Array) -> list[Mode]:
-    """The modes of angles in 0…π/2, largest first: the density's peaks, parted at the lowest points between them.
-
-    A peak that hardly rises above the valley beside it (less than a tenth of it) belongs to its neighbour.
-    """
-    if len(values) == 0:
-        return []
-    grid = np.linspace(0.0, RIGHT_ANGLE, 513)
-    heights = density(values, grid, bandwidth(values))
-    rising = np.diff(heights, prepend=-np.inf) > 0
-    falling = np.diff(heights, append=-np.inf) <= 0  # two equal heights are one peak
-    peaks = list(np.flatnonzero(rising & falling))
-    while len(peaks) > 1:
-        valleys = [int(a + np.argmin(heights[a : b + 1])) for a, b in pairwise(peaks)]
-        drops = [min(heights[a], heights[b]) / heights[v] for a, b, v in zip(peaks, peaks[1:], valleys, strict=False)]
-        weakest = int(np.argmin(drops))
-        if drops[weakest] >= 1.1:
-            break
-        left, right = peaks[weakest], peaks[weakest + 1]
-        peaks.remove(left if heights[left] < heights[right] else right)
-    cuts = [grid[int(a + np.argmin(heights[a : b + 1]))] for a, b in pairwise(peaks)]
-    edges = [0.0, *cuts, np.inf]
-    found = []
-    for peak, low, high in zip(peaks, edges, edges[1:], strict=False):
-        members = tuple(int(i) for i in np.flatnonzero((values >= low) & (values < high)))
-        if members:
-            found.append(Mode(float(grid[peak]), float(low), float(min(high, RIGHT_ANGLE)), members))
-    return sorted(found, key=lambda mode: -len(mode.members))
-
-
 def peak_interval(values: Array, low: float, high: float) -> Interval | None:
-    """The bootstrap interval of where between two angles the density of angles (n,) in 0…π/2 peaks [rad].
+    """The bootstrap interval of where the density of those angles (n,) in 0…π/2 peaks that are between two [rad].
 
-    All angles are drawn again, at the bandwidth that they have. None for fewer than FEWEST between the two.
+    They are drawn again at the bandwidth that they have. None for fewer than FEWEST.
     """
-    if np.count_nonzero((values >= low) & (values <= high)) < FEWEST:
+    values = values[(values >= low) & (values <= high)]
+    if len(values) < FEWEST:
         return None
     grid = np.linspace(0.0, RIGHT_ANGLE, 513)
     grid = grid[(grid >= low) & (grid <= high)]

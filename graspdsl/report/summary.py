@@ -17,11 +17,16 @@ from typing import Annotated, Any, Literal, get_args, get_type_hints
 import numpy as np
 from pydantic import BaseModel
 
+from graspdsl.compiler.alike import known_of
+from graspdsl.report.balance import Holding, holding
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.modes import modes, share_intervals
 from graspdsl.report.outcomes import OutcomeCount, outcome_table
+from graspdsl.report.priorities import Priorities, priorities
 from graspdsl.report.quality import Quality, quality
+from graspdsl.report.stages import StageSummary, stage_summaries
 from graspdsl.report.start_selection import Starts, starts_of
-from graspdsl.report.statistics import Interval, bandwidth, median, modes, wilson
+from graspdsl.report.statistics import Interval, bandwidth, median, wilson
 from graspdsl.spec.program import Until
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
@@ -63,8 +68,8 @@ class Converged:
 
 @dataclass(frozen=True, slots=True)
 class ModeSummary:
-    """A mode of the end orientations of trials whose contacts all touched: its peak and range, its share ``of`` so
-    many trials with an interval, the medians over its trials, and these by number."""
+    """A mode of the end orientations of trials that settled with all contacts touching: its peak and range, its share
+    ``of`` so many with an interval, the medians over its trials, and these by number."""
 
     centre: Annotated[float, "rad"]
     share: Annotated[float, "1"]
@@ -80,16 +85,29 @@ class ModeSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class Stopped:
+    """Trials that a monitor stopped while all contacts touched, by number: where they ended tells of what stopped them,
+    and they are in no mode. Their share ``of`` all that ended in contact, None of none, with its Wilson interval."""
+
+    share: Ratio
+    of: int
+    interval: Shares
+    trials: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything a report says of a run.
 
     Of ``finished`` trials so many ``different`` ones can differ from one another, the others repeat them; shares carry
-    Wilson intervals of 95 %, which take all as independent. By trial, in the order of the records: whether the hand
-    felt all contacts at any time (``in_contact_start``) and whether all truly touched at the last tick (``_end``, None
-    where the trajectory is lost), and orientations. Residuals are medians of ‖ρ_f‖ (1) and ‖ρ_m‖ [m], squared of
-    ε = ρᵀρ; modes are of trials whose contacts all touched at the end. Contact forces, samples and time are of
-    converged trials, sensing errors percentiles over a trial's readings and then medians over trials. ``command`` runs
-    the same trials again.
+    Wilson intervals of 95 %, which take all as independent; those of modes know that the modes were found in the same
+    trials. By trial, in the order of the records: whether the hand felt all contacts at any time (``in_contact_start``)
+    and whether all truly touched at the last tick (``_end``, None where there is no trajectory), and orientations.
+    ``lost``: trials, by number, whose trajectories cannot be read; they are in no mode and in no stage. Residuals are
+    medians of ‖ρ_f‖ (1) and ‖ρ_m‖ [m], squared of ε = ρᵀρ; modes are of trials that settled with all contacts touching,
+    those ``stopped`` before are apart. ``stages`` are those of a program that has 'a then b'; ``known`` is what holds
+    of its controllers whatever they met, with why. Contact forces, samples and time are of converged trials, sensing
+    errors percentiles over a trial's readings and then medians over trials. ``command`` runs the same trials again.
     """
 
     name: str
@@ -107,9 +125,11 @@ class Summary:
     force_squared: Annotated[Medians, At("residuals.force.squared")]
     moment: Annotated[Medians, At("residuals.moment")]
     moment_squared: Annotated[Medians, At("residuals.moment.squared")]
+    lost: tuple[int, ...]
     orientation_start: Annotated[tuple[Radians, ...], At("orientation.start")]
     orientation_end: Annotated[tuple[Radians, ...], At("orientation.end")]
     modes: tuple[ModeSummary, ...]
+    stopped: Stopped
     ticks_to_converge: Annotated[Count, At("ticks_to_converge.median")]
     ticks_to_converge_p90: Annotated[Count, At("ticks_to_converge.p90")]
     contact_force: Annotated[Newtons, At("contact_force.median")]
@@ -125,9 +145,10 @@ class Summary:
     samples: Annotated[Count, At("samples.median")]
     probes: Annotated[int, At("probes.total")]
     trial_s: Annotated[Seconds, At("trial_s.median")]
-    largest_leak: Annotated[Ratio, At("priorities.largest_leak")]
-    leaking_ticks: Annotated[int, At("priorities.ticks_above_1e-6")]
-    levels: Annotated[int, At("priorities.levels")]
+    priorities: Priorities
+    stages: tuple[StageSummary, ...]
+    known: tuple[str, ...]
+    balance: Holding
     quality: Quality
     starts: Starts
     wall_s: Seconds
@@ -178,9 +199,11 @@ def summarised(evidence: Evidence) -> Summary:
         force_squared=_medians(records, in_contact, "force", _square),
         moment=_medians(records, in_contact, "moment"),
         moment_squared=_medians(records, in_contact, "moment", _square),
+        lost=tuple(sorted(evidence.lost)),
         orientation_start=tuple(_known(record.orientation_start) for record in records),
         orientation_end=tuple(_known(record.orientation_end) for record in records),
-        modes=tuple(_modes(in_contact)),
+        modes=tuple(_modes([record for record in in_contact if record.outcome.settled])),
+        stopped=_stopped(in_contact),
         ticks_to_converge=_percentile(to_converge, 50),
         ticks_to_converge_p90=_percentile(to_converge, 90),
         contact_force=median(forces),
@@ -196,9 +219,10 @@ def summarised(evidence: Evidence) -> Summary:
         samples=median(float(record.samples) for record in good),
         probes=sum(record.ticks for record in records) if evidence.program.probes else 0,
         trial_s=median(record.world_s for record in good),
-        largest_leak=_largest(record.largest_leak for record in records),
-        leaking_ticks=sum(record.leaking_ticks for record in records),
-        levels=max(len(pipeline.leaks) for stages in evidence.program.pipelines() for pipeline in stages),
+        priorities=priorities(evidence),
+        stages=stage_summaries(evidence),
+        known=tuple(map(str, known_of(evidence.program))),
+        balance=holding(evidence.program, records),
         quality=quality(records),
         starts=starts_of(spec.trials, records),
         wall_s=manifest.wall_s,
@@ -236,13 +260,14 @@ def _medians(
 def _modes(records: Sequence[TrialRecord]) -> Iterable[ModeSummary]:
     measured = [record for record in records if math.isfinite(record.orientation_end)]
     ends = np.array([record.orientation_end for record in measured])
-    for mode in modes(ends):
+    found = modes(ends)
+    for mode, interval in zip(found, share_intervals(ends, found), strict=True):
         members = [measured[i] for i in mode.members]
         yield ModeSummary(
             centre=mode.centre,
             share=len(members) / len(measured),
             of=len(measured),
-            interval=wilson(len(members), len(measured)),
+            interval=interval,
             force_residual=median(record.force_residual_end for record in members),
             moment_residual=median(record.moment_residual_end for record in members),
             force_squared=median(_square(record.force_residual_end) for record in members),
@@ -251,6 +276,11 @@ def _modes(records: Sequence[TrialRecord]) -> Iterable[ModeSummary]:
             trials=tuple(record.number for record in members),
             bandwidth=bandwidth(ends),
         )
+
+
+def _stopped(in_contact: Sequence[TrialRecord]) -> Stopped:
+    stopped, of = [record.number for record in in_contact if not record.outcome.settled], len(in_contact)
+    return Stopped(len(stopped) / of if of else None, of, wilson(len(stopped), of), tuple(stopped))
 
 
 def _square(value: float) -> float:

@@ -24,6 +24,6 @@ def rendered(template: str, **values: object) -> str:
 
 
 def notation(text: str) -> Markup:
-    """Text as HTML, with the indices of residuals lowered, ρ_f, ε_m, and numbers kept beside their units."""
-    whole = re.sub(r"(?<=\d) (?=%|(?:rad|mm|s|N|Hz)\b)", "\N{NO-BREAK SPACE}", str(escape(text)))
-    return Markup(re.sub(r"([ρε])_(\w)", r"\1<sub>\2</sub>", whole))
+    """Text as HTML, with the indices of the notation lowered, ρ_f, ε_mr, φ_fr, and numbers kept beside their units."""
+    whole = re.sub(r"(?<=\d) (?=%|(?:rad|mm|s|N|Hz)\b)|(?<=[≤≥]) (?=\d)", "\N{NO-BREAK SPACE}", str(escape(text)))
+    return Markup(re.sub(r"([ρεφτσπ])_(\w+)", r"\1<sub>\2</sub>", whole))

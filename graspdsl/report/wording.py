@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from graspdsl.report.start_selection import Starts
-    from graspdsl.report.summary import Summary
     from graspdsl.spec.program import Until
 
 NOTHING = "–"
+STOPPED = "stopped by a monitor"
 
 
 def percent(share: float | None) -> str:
@@ -47,9 +47,8 @@ def feasible(starts: Starts) -> str:
     return f"of feasible starts only: {draws - kept} of {counted(draws, 'draw', 'draws')} could not be taken up"
 
 
-def repetition(summary: Summary) -> str | None:
+def repetition(finished: int, different: int) -> str | None:
     """What trials that repeat others mean for the intervals; None where all may differ."""
-    finished, different = summary.finished, summary.different
     if different == finished:
         return None
     if different == 1:

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from graspdsl.places.fields import Model, Number, fault, form, forms, is_number, name_in
 from graspdsl.places.wording import shown
+from graspdsl.spec.grading import Grading
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
 from graspdsl.spec.scene import Scene
@@ -105,6 +106,7 @@ class Spec(Model):
     evaluate: tuple[Annotated[str, name_in("grades")], ...] = Field(
         default=(), description="how the final grasps are graded"
     )
+    grading: Grading = Field(default=Grading(), description="by what conventions they are graded")
     trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
 
     def definitions(self) -> dict[str, ControllerDefinition]:

@@ -187,7 +187,9 @@ class DraggedMonitor(Beyond):
     key = "dragged"
     description = "the object has moved by more than this (m) in a grasp at its end: dragged"
     bound_type, default = Distance, 0.02
-    outcome = Outcome("dragged", "the end conditions held, but the object had been dragged", "#c9ced4", LEVEL)
+    outcome = Outcome(
+        "dragged", "the end conditions held, but the object had been dragged", "#c9ced4", LEVEL, settled=True
+    )
     needs = ("motion",)
     of_a_free_object = of_the_truth = True
     when = When.END
@@ -234,6 +236,7 @@ class ProgressMonitor(Monitor):
         "local-minimum",
         "the residual stopped falling before the end conditions held, as the hand senses them",
         "#c9ced4",
+        settled=True,
     )
     when = When.STAYING
 
@@ -306,6 +309,7 @@ OUTCOMES: dict[str, Outcome] = {
         Outcome.CONVERGED,
         *dict.fromkeys(monitor.outcome for monitor in MONITORS.values()),
         Outcome.TIMEOUT,
+        Outcome.UNDONE,
         Outcome.INFEASIBLE_START,
         Outcome.CRASHED,
     )

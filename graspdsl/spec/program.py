@@ -45,6 +45,12 @@ class Phase(Model):
         description="for 'a then b': go back to a when its residual exceeds its bound by this factor (1); else never",
     )
     limit: Seconds = Field(default=30.0, gt=0.0, le=600.0, description="time limit of the phase (s), up to 600")
+    full_time: bool = Field(
+        default=False,
+        strict=True,
+        description="whether the phase goes on to its limit though its end conditions hold, so that what is measured "
+        "at its end does not depend on them; it has reached its end if they hold then",
+    )
 
 
 class Control(Model):
@@ -80,8 +86,8 @@ class Control(Model):
     )
     nullspace: Literal["gradient", "task"] = Field(
         default="gradient",
-        description="where lower priorities may act; gradient: normal to the higher gradients (Eq. 4.19); "
-        "task: the null space of the higher task Jacobians",
+        description="where lower priorities may act; gradient: normal to the higher gradients (Eq. 4.19), which "
+        "protects one direction of each; task: the null space of the higher task Jacobians, which protects all of it",
     )
     inverse: Literal["pseudo-inverse", "transpose"] = Field(
         default="pseudo-inverse",
@@ -106,6 +112,12 @@ class Control(Model):
     virtual: Literal["members", "common"] = Field(
         default="members",
         description="how a virtual contact moves; members: each member by its own share; common: all alike",
+    )
+    virtual_forces: Literal["alike", "shared"] = Field(
+        default="alike",
+        description="what a force reference asks of a virtual contact; alike: each member presses with all of it, so "
+        "that their mean is the reference (Eq. 4.32), and a thumb meets twice its force in two fingers; shared: each "
+        "presses with its share, all together with the reference, so that opposed contacts balance",
     )
     origin: Literal["centroid", "object", "world"] = Field(
         default="centroid",

@@ -11,9 +11,11 @@ from pydantic.fields import FieldInfo
 from graspdsl.objects.object_files import FILES, FilePath, Mass, Mesh
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES
-from graspdsl.places.fields import Model, Number, fault, form, forms, name_in
+from graspdsl.places.fields import Model, Number, Unit, fault, form, forms, name_in
 from graspdsl.spec.growing import Growing, grow
 from graspdsl.spec.sensing import SensingChoice
+
+GRAVITY = 9.81  # m/s²
 
 
 class _Described(Growing):
@@ -94,6 +96,13 @@ class Scene(Model):
     friction: Number = Field(
         default=0.4, ge=0.0, le=5.0, description="friction coefficient between fingertip and object (1), 0 to 5"
     )
+    gravity: Annotated[Number, Unit("m/s²")] = Field(
+        default=GRAVITY,
+        ge=0.0,
+        le=100.0,
+        description="acceleration of free fall (m/s²), downwards; 0: a free object floats where it would stand, the "
+        "table is out of the way, and a grasp has to balance by itself",
+    )
     sensing: SensingChoice | None = Field(
         default=None,
         description="what a contact feels through, by name or as one sensor with parameters; load-cell: a fingertip "
@@ -105,6 +114,12 @@ class Scene(Model):
     def held(self) -> bool:
         """Whether the object is fixed to the hand."""
         return isinstance(self.object, InlineObject) and self.object.held
+
+    @property
+    def afloat(self) -> bool:
+        """Whether the object floats: it is free and has no weight."""
+        bound = isinstance(self.object, InlineObject) and (self.object.held or self.object.fixed)
+        return self.gravity == 0.0 and not bound
 
 
 def add_shape(shape: type[DescribedShape], around: Sequence[type[BaseModel]]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,9 @@ from graspdsl.compiler.program import Program
 from graspdsl.hands.descriptions import joint_units
 from graspdsl.quality.grades import GRADES
 from graspdsl.spec.trials import PARAMETERS
+from graspdsl.trials.priorities import Disturbance, level_names
 from graspdsl.trials.record import TrialRecord
+from graspdsl.worlds.protocol import PARTIES
 
 PERCENTILES = ("p50", "p95")
 _UNITS: Mapping[str, str] = {
@@ -31,16 +34,15 @@ _UNITS: Mapping[str, str] = {
     "ticks": "1",
     "ticks_to_converge": "1",
     "samples": "1",
-    "largest_leak": "1",
-    "leaking_ticks": "1",
     "point_error": "m",
     "normal_error": "rad",
     "world_s": "s",
     "wall_s": "s",
     "tare_s": "s",
 }
+_LOADS = {"fx": "N", "fy": "N", "fz": "N", "mx": "N·m", "my": "N·m", "mz": "N·m"}
 _WORDS = ("identity", "outcome", "detail")
-_COUNTS = ("number", "ticks", "samples", "leaking_ticks")
+_COUNTS = ("number", "ticks", "samples")
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -56,8 +58,10 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
 
     What has parts has a column each: ``start.roll`` and whatever else was drawn; ``contact_forces.finger-1``, by the
     contacts that all phases control, or by their places, ``contact_forces.1``, where phases control others;
-    ``point_error.p50`` and ``.p95``; ``quality.force-closure.closed``, 1 or 0, and the numbers of the other grades.
-    ``rejected`` counts the draws of a start that could not be taken up.
+    ``point_error.p50`` and ``.p95``; ``balance.contacts.fx`` to ``.mz``, and so of links, table and gravity;
+    ``priorities.1.φ_f.predicted`` and ``.observed``: the largest disturbances of the level φ_f in stage 1, counted from
+    0; ``quality.force-closure.closed``, 1 or 0, and the numbers of the other grades. ``rejected`` counts the draws of a
+    start that could not be taken up.
     """
     found: dict[str, Column] = {}
     for field in dataclasses.fields(TrialRecord):
@@ -72,6 +76,12 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
             case "point_error" | "normal_error":
                 for place, percentile in enumerate(PERCENTILES):
                     found[f"{name}.{percentile}"] = _numbers((pair[place] for pair in values), _UNITS[name])
+            case "balance":
+                for party, (place, (part, unit)) in product(PARTIES, enumerate(_LOADS.items())):
+                    known = (balance and getattr(balance, party)[place] for balance in values)
+                    found[f"{name}.{party}.{part}"] = _numbers(known, unit)
+            case "priorities":
+                found |= _priorities(program, values)
             case "quality":
                 found |= _grades(program, values)
             case "rejected":
@@ -93,6 +103,19 @@ def _starts(program: Program, starts: Sequence[Mapping[str, float]]) -> dict[str
     units = {**joint_units(program.robot), **PARAMETERS}
     names = dict.fromkeys(name for start in starts for name in start)
     return {f"start.{name}": _numbers((start.get(name) for start in starts), units.get(name, "1")) for name in names}
+
+
+def _priorities(program: Program, trials: Sequence[Sequence[Disturbance]]) -> dict[str, Column]:
+    found = {}
+    pipelines = [pipeline for stages in program.pipelines() for pipeline in stages]
+    for stage, pipeline in enumerate(pipelines):
+        for priority, level in zip(pipeline.priorities, level_names(pipeline.priorities), strict=True):
+            ones = [{(one.stage, one.level): one for one in trial}.get((stage, level)) for trial in trials]
+            name = f"priorities.{stage}.{level}"
+            for kind, unit in (("predicted", priority.effect_unit), ("observed", priority.unit)):
+                sizes = (getattr(one, kind).size if one else None for one in ones)
+                found[f"{name}.{kind}"] = _numbers(sizes, unit)
+    return found
 
 
 def _contacts(program: Program, forces: Sequence[Sequence[float]]) -> Sequence[str]:

@@ -17,7 +17,7 @@ from graspdsl.spec.monitors import MONITORS
 from graspdsl.spec.watching import OFF
 from graspdsl.trials.course import Course, led, stages_of
 from graspdsl.trials.outcomes import Ending
-from graspdsl.worlds.protocol import Command, Observation, Truth, WorldInfo
+from graspdsl.worlds.protocol import PARTIES, Command, Observation, Truth, WorldInfo
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +141,7 @@ def sensed_truth(observation: Observation) -> Truth:
         touching_links=(),
         table_links=(),
         stopped_joints=(),
+        loads=np.full((len(PARTIES), 6), np.nan),
     )
 
 

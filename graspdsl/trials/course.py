@@ -7,6 +7,7 @@ What becomes of a trial does not depend on those beside it, to the last bit.
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -49,7 +50,9 @@ Batch = TypeVar("Batch", Observation, Truth, Ticks)
 class Stage:
     """A controller of a phase that is run until its end conditions have held; ``number`` counts over all phases.
 
-    ``kept``: the conditions of stages before it that must not be given up again, by the numbers of those stages.
+    ``kept``: the conditions of stages before it in its phase that must not be given up again, by the numbers of those
+    stages; ``goes_back``: whether one of them is begun anew if they are. ``full_time``: whether it goes on to the limit
+    though its conditions hold. ``name``: what messages call it; nothing where its phase has no other.
     """
 
     number: int
@@ -59,6 +62,9 @@ class Stage:
     until: Until
     limit: float
     kept: Mapping[int, Until]
+    goes_back: bool
+    full_time: bool
+    name: str
 
     @property
     def awaits_residual(self) -> bool:
@@ -74,9 +80,21 @@ def stages_of(program: Program) -> list[Stage]:
         first = len(stages)
         conditions = [*(until_of(graph, settings.until) for graph in phase.stages[:-1]), settings.until]
         for place, (pipeline, until) in enumerate(zip(pipelines, conditions, strict=True)):
-            before = enumerate(conditions[:place]) if settings.hysteresis else ()
+            before = enumerate(conditions[:place])
             kept = {first + earlier: loosened(condition, settings.hysteresis or 1.0) for earlier, condition in before}
-            stages.append(Stage(first + place, index, phase.grasp, pipeline, until, settings.limit, kept))
+            stage = Stage(
+                number=first + place,
+                phase=index,
+                grasp=phase.grasp,
+                pipeline=pipeline,
+                until=until,
+                limit=settings.limit,
+                kept=kept,
+                goes_back=settings.hysteresis is not None,
+                full_time=settings.full_time and place == len(pipelines) - 1,
+                name=f"stage {place + 1} of {len(pipelines)}" if len(pipelines) > 1 else "",
+            )
+            stages.append(stage)
     return stages
 
 
@@ -123,19 +141,22 @@ class Course:
         *,
         trajectories: bool = True,
     ) -> None:
-        """seen, truth: of all trials as they begin."""
+        """seen, truth: of all trials as they begin. trajectories: whether to keep these, and what becomes of the
+        priorities."""
         self._stages, self._info, self._seen = stages, info, seen
         count = len(seen.joints)
-        levels = max(len(stage.pipeline.leaks) for stage in stages)
         grasps = [phase.grasp for phase in program.phases]
         self.trials = np.arange(count)
-        self.log = Logbook(grasps, truth.object_position, levels, trajectories=trajectories)
+        pipelines = [stage.pipeline for stage in stages]
+        self.log = Logbook(grasps, truth.object_position, pipelines, trajectories=trajectories)
+        self._certifies = trajectories
         self.wall_s = np.zeros(count)
         self._number = 0
         self._at = np.zeros(count, dtype=np.intp)
         self._deadline = np.full(count, seen.time + stages[0].limit)
         self._touched = np.full(count, stages[0].until.contact is None)
         self._held_from = np.full(count, np.nan)
+        self._handed_over: dict[tuple[int, str], Array] = {}
         self._monitors = program.monitors.watches(
             Setting(
                 contacts=info.contacts,
@@ -212,8 +233,8 @@ class Course:
     ) -> tuple[Ticks, dict[int, Ending], Flags]:
         """What a stage makes of a tick of M trials: its ticks, how some of them end, by their places among the M, and
         which go to another stage."""
-        ticks = stage.pipeline.ticks(seen)
-        now = self.log.write(tick, trials, stage.phase, seen, truth, ticks)
+        ticks = stage.pipeline.ticks(seen, certified=self._certifies)
+        now = self.log.write(tick, trials, stage.phase, stage.number, seen, truth, ticks)
         contacts = list(stage.grasp.contacts)
         touch = seen.touching[:, contacts].all(axis=-1)
         met = touch & is_low(stage.until, ticks)
@@ -251,22 +272,27 @@ class Course:
         running = np.asarray(finite)
         endings = {int(place): LEFT_NUMBERS for place in np.flatnonzero(~running)}
         self._ask(When.TICK, sight, running, endings)
-        done: Flags = running & met & (held >= stage.until.hold - ROUNDING)
+        late: Flags = seen.time >= self._deadline[trials] - ROUNDING
+        due = late | (not stage.full_time)
+        done: Flags = running & met & (held >= stage.until.hold - ROUNDING) & due
         running &= ~done
         after = np.full(len(trials), stage.number)
         for earlier, until in stage.kept.items():
-            given_up = running & ~is_low(until, ticks)
+            given_up = running & ~is_low(until, ticks) & stage.goes_back
             after[given_up] = earlier
             running &= ~given_up
-        self._ask(When.STAYING, sight, running, endings)
-        late = np.flatnonzero(running & (seen.time >= self._deadline[trials] - ROUNDING))
-        endings |= {int(place): self._out_of_time(sight, int(place)) for place in late}
+        self._ask(When.STAYING, sight, running, endings, due)
+        endings |= {int(place): self._out_of_time(sight, int(place)) for place in np.flatnonzero(running & late)}
+        endings = {place: self._told(ending, stage, trials, ticks, place) for place, ending in endings.items()}
         if stage.number + 1 < len(self._stages):
             after[done] = stage.number + 1
         else:
             self._ask(When.END, sight, done, endings)
             endings |= {int(place): Ending(Outcome.CONVERGED) for place in np.flatnonzero(done)}
         moved = after != stage.number
+        for name, (values, _) in _bounded(stage.until, ticks).items():
+            noted = self._handed_over.setdefault((stage.number, name), np.full(len(self._at), np.nan))
+            noted[trials[done]] = values[done]
         self._move(trials[moved], stage, after[moved], seen.time)
         return ticks, endings, moved
 
@@ -276,10 +302,13 @@ class Course:
         self._held_from[trials[begins]], self.log.held_since[trials[begins]] = now, tick
         self._held_from[trials[~met]], self.log.held_since[trials[~met]] = np.nan, NEVER
 
-    def _ask(self, when: When, sight: Sight, running: Flags, endings: dict[int, Ending]) -> None:
-        """Ask the monitors of a moment about trials that are running: those that one ends run no more."""
+    def _ask(
+        self, when: When, sight: Sight, running: Flags, endings: dict[int, Ending], due: Flags | bool = True
+    ) -> None:
+        """Ask the monitors of a moment about trials that are running: those that one ends, if that is ``due``, run no
+        more."""
         for monitor in self._monitors_at[when]:
-            ended = monitor.speaks(sight) & running
+            ended = monitor.speaks(sight) & running & due
             for place in np.flatnonzero(ended):
                 endings[int(place)] = Ending(monitor.outcome, monitor.detail(sight, int(place)))
             running &= ~ended
@@ -291,6 +320,19 @@ class Course:
                 return Ending(monitor.outcome, said)
         detail = f"not converged within {sight.limit:g} s: {sight.waited_for(place)}"
         return Ending(Outcome.TIMEOUT, detail)
+
+    def _told(self, ending: Ending, stage: Stage, trials: Rows, ticks: Ticks, place: int) -> Ending:
+        """An ending with the stage in which it came; undone, where a grasp settled in one that has given up what one
+        before it had brought about."""
+        for earlier, until in stage.kept.items() if ending.outcome.settled else ():
+            for name, (values, bound) in _bounded(until, ticks).items():
+                before, now = self._handed_over[earlier, name][trials[place]], values[place]
+                if now >= bound:
+                    was = f"was {_said(name, before, bound)}, below {_said(name, bound)}"
+                    when = f"when {self._stages[earlier].name} ended, and is {_said(name, now, bound)}"
+                    cure = f"{stage.name} raised it; with hysteresis the phase goes back"
+                    return Ending(Outcome.UNDONE, f"{_TOLD[name][0]} {was}, {when}: {cure}")
+        return Ending(ending.outcome, f"in {stage.name}: {ending.detail}") if stage.name else ending
 
     def _move(self, trials: Rows, before: Stage, after: Rows, now: float) -> None:
         """Trials begin other stages."""
@@ -326,16 +368,8 @@ def unmet(until: Until, ticks: Ticks, away: Sequence[str]) -> str:
     said = [f"{listed(away)} {'does' if len(away) == 1 else 'do'} not touch"] if away else []
     for name, (measured, bound) in _bounded(until, ticks).items():
         value = float(measured.item())
-        if not value >= bound:
-            continue
-        match name:
-            case "force_residual":
-                said.append(f"‖ρ_f‖ = {_apart(value, bound)}, not below {bound:g}")
-            case "moment_residual":
-                said.append(f"‖ρ_m‖ = {_apart(1000 * value, 1000 * bound)} mm, not below {1000 * bound:g} mm")
-            case _:
-                error = _apart(value, bound)
-                said.append(f"a contact force is {error} N from its reference, not below {bound:g} N")
+        if value >= bound:
+            said.append(f"{_TOLD[name][0]} = {_said(name, value, bound)}, not below {_said(name, bound)}")
     return ", and ".join(said)
 
 
@@ -350,10 +384,21 @@ def _bounded(until: Until, ticks: Ticks) -> dict[str, tuple[Array, float]]:
     return {name: (value, bounds[name]) for name, value in measured.items() if bounds[name] is not None}
 
 
-def _apart(value: float, bound: float) -> str:
-    """A value with as many digits as tell it from the bound that it is not below, three at least."""
-    texts = [f"{value:.{digits}g}" for digits in range(LEAST_DIGITS, MOST_DIGITS + 1)]
-    return next((text for text in texts if float(text) > bound), texts[-1])
+# What is bounded, by the names of the spec: in words, its unit, and how many of these make one of the spec's.
+_TOLD = {
+    "force_residual": ("‖ρ_f‖", "", 1.0),
+    "moment_residual": ("‖ρ_m‖", " mm", 1000.0),
+    "force_error": ("the largest error of a contact force", " N", 1.0),
+}
+
+
+def _said(name: str, value: float, bound: float = math.nan) -> str:
+    """A value of what is bounded, with as many digits as tell it from the bound, three at least."""
+    _, unit, scale = _TOLD[name]
+    if math.isnan(bound):
+        return f"{scale * value:g}{unit}"
+    texts = [f"{scale * value:.{digits}g}" for digits in range(LEAST_DIGITS, MOST_DIGITS + 1)]
+    return next((text for text in texts if float(text) != scale * bound), texts[-1]) + unit
 
 
 # Many trials and one

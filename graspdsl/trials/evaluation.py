@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from graspdsl.hands.descriptions import Robot
+from graspdsl.compiler.program import Program
 from graspdsl.quality.grade import CRASHED, NO_CONTACTS, Found, Grasp
 from graspdsl.quality.grades import graded
 from graspdsl.worlds.protocol import PalmWorld, Witness
@@ -15,20 +14,21 @@ from graspdsl.worlds.protocol import PalmWorld, Witness
 Quality = Mapping[str, Found]
 
 
-@dataclass(frozen=True, slots=True)
 class Evaluation:
-    """Grades grasps of a robot. ``grades``: those of a spec's ``evaluate``; friction: between fingertips and object."""
+    """Grades grasps of a program's trials, by its ``evaluate`` and ``grading``; torque_scale [m]: the same for all."""
 
-    grades: Sequence[str]
-    friction: float
-    robot: Robot
+    def __init__(self, program: Program) -> None:
+        spec = program.spec
+        self._grades, self._robot, self._friction = spec.evaluate, program.robot, spec.scene.friction
+        self._grading, scale = spec.grading, spec.grading.torque_scale
+        self.torque_scale = program.body.shape.solid.radius_of_gyration if isinstance(scale, str) else scale
 
     def of(self, world: Witness, contacts: Sequence[int]) -> Quality:
         """The grades of the grasp that a world is in, by its truth, of those of the contacts that touch.
 
         To lift and shake the object changes the world.
         """
-        if not self.grades:
+        if not self._grades:
             return {}
         truth = world.truth()
         if not np.isfinite(truth.object_position).all():
@@ -37,16 +37,19 @@ class Evaluation:
         if not touching:
             return self.of_nothing(NO_CONTACTS)
         grasp = Grasp(
-            self.robot,
-            self.friction,
+            self._robot,
+            self._friction,
+            self.torque_scale,
             truth.points[touching],
             truth.normals[touching],
             truth.object_position,
             touching,
+            self._grading,
             world if isinstance(world, PalmWorld) else None,
         )
-        return graded(grasp, self.grades)
+        return graded(grasp, self._grades)
 
     def of_nothing(self, reason: str) -> Quality:
         """The grades of a trial without a grasp to grade: none is closed, measured or held, for this reason."""
-        return graded(Grasp(self.robot, self.friction, missing=reason), self.grades)
+        grasp = Grasp(self._robot, self._friction, self.torque_scale, grading=self._grading, missing=reason)
+        return graded(grasp, self._grades)

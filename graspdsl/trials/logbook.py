@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from graspdsl.arrays import Array, Flags, Float32Array, Rows
+from graspdsl.arrays import Array, Float32Array, Rows
 from graspdsl.basis.resources import ContactSet
-from graspdsl.compiler.pipeline import Ticks
+from graspdsl.compiler.pipeline import Pipeline, Ticks
 from graspdsl.trials.measures import GraspMeasure, length, measure, sensing_errors, true_contacts
-from graspdsl.worlds.protocol import Observation, Truth
+from graspdsl.trials.priorities import PriorityLog
+from graspdsl.trials.record import Balance
+from graspdsl.trials.tick_rows import Row, TickRows
+from graspdsl.worlds.protocol import PARTIES, Observation, Truth
 
-LEAK_WORTH_COUNTING = 1e-6
 NEVER = -1  # in place of a tick
-ROOM = 256  # ticks to begin with
-Row = Mapping[str, Array | Flags | float]
+BALANCED_S = 1.0  # s at the end, over which what acts on the object is told
 
 
 class Logbook:
@@ -26,22 +27,30 @@ class Logbook:
     Ticks count from 0, as the rows of a trajectory do; NEVER stands where there was none. ``first_touch``: the one at
     which every contact first touched; ``control_start``: at which the controller took over from the guarded close;
     ``held_since``: from which on the end conditions have held; ``last``: the latest one. ``shift`` [m] and ``lean``
-    [rad] of the object; ``largest_leak`` and ``leaking_ticks`` of the priority certificate; ``world_s``: the world's
-    time [s] at the last tick.
+    [rad] of the object; ``world_s``: the world's time [s] at the last tick.
     """
 
-    def __init__(self, grasps: Sequence[ContactSet], origins: Array, levels: int, *, trajectories: bool = True) -> None:
-        """``grasps``: of the phases; origins: (N, 3), where the objects are [m] to begin with; ``levels``: the most
-        leaks that a tick has to tell of."""
+    def __init__(
+        self,
+        grasps: Sequence[ContactSet],
+        origins: Array,
+        pipelines: Sequence[Pipeline],
+        *,
+        trajectories: bool = True,
+    ) -> None:
+        """``grasps``: of the phases; origins: (N, 3), where the objects are [m] to begin with; ``pipelines``: of the
+        stages."""
         count = len(origins)
-        self._grasps, self._origins, self._levels, self._keeps = grasps, origins, levels, trajectories
-        self._rows, self._exact = _Columns(count, np.float32), _Columns(count, np.float64)
+        self._grasps, self._origins, self._keeps = grasps, origins, trajectories
+        self._rows, self._exact = TickRows(count, np.float32), TickRows(count, np.float64)
+        self._priorities = PriorityLog(pipelines, count)
         self._touch_phase, self._phase = np.zeros((2, count), dtype=np.intp)
         self.first_touch, self.control_start, self.held_since, self.last = np.full((4, count), NEVER, dtype=np.intp)
-        self.world_s, self.shift, self.lean, self.largest_leak = np.zeros((4, count))
-        self.leaking_ticks = np.zeros(count, dtype=np.intp)
+        self.world_s, self.shift, self.lean = np.zeros((3, count))
 
-    def write(self, tick: int, trials: Rows, phase: int, seen: Observation, truth: Truth, ticks: Ticks) -> GraspMeasure:
+    def write(
+        self, tick: int, trials: Rows, phase: int, stage: int, seen: Observation, truth: Truth, ticks: Ticks
+    ) -> GraspMeasure:
         """Write down a tick of M of the trials; what stood there is overwritten, as the next controller sees the same
         observation again. Returns the measures of their grasps."""
         grasp = self._grasps[phase]
@@ -54,15 +63,21 @@ class Logbook:
         self.last[trials], self._phase[trials], self.world_s[trials] = tick, phase, seen.time
         self.shift[trials] = length(truth.object_position - self._origins[trials])
         self.lean[trials] = truth.object_lean
-        leak = ticks.leaks.max(axis=-1, initial=0.0)
-        self.largest_leak[trials] = np.fmax(self.largest_leak[trials], leak)
-        self.leaking_ticks[trials] += leak > LEAK_WORTH_COUNTING
         if self._keeps:
-            self._write_down(tick, trials, phase, seen, truth, ticks, now)
+            self._priorities.note(tick, trials, stage, seen, ticks)
+            self._write_down(tick, trials, phase, stage, seen, truth, ticks, now)
         return now
 
     def _write_down(
-        self, tick: int, trials: Rows, phase: int, seen: Observation, truth: Truth, ticks: Ticks, now: GraspMeasure
+        self,
+        tick: int,
+        trials: Rows,
+        phase: int,
+        stage: int,
+        seen: Observation,
+        truth: Truth,
+        ticks: Ticks,
+        now: GraspMeasure,
     ) -> None:
         points, normals = true_contacts(seen, truth)
         felt, distance, sine, cosine = sensing_errors(seen, truth)
@@ -74,11 +89,11 @@ class Logbook:
         row: Row = {
             "time": seen.time,
             "phase": phase,
+            "stage": stage,
             **measured,
             "sensed_force_residual": ticks.force_residual,
             "sensed_moment_residual": ticks.moment_residual,
-            "leaks": _padded(ticks.leaks, self._levels),
-            "null_space_ranks": _padded(ticks.ranks, self._levels),
+            "null_space_ranks": _padded(ticks.ranks, self._priorities.levels),
             "joints": seen.joints,
             "touching": seen.touching,
             "sensed_points": seen.points,
@@ -90,18 +105,32 @@ class Logbook:
             "object_position": truth.object_position,
             "object_rotation": truth.object_rotation,
             "object_axis": truth.object_axis,
+            "loads": truth.loads,
         }
         pressing = np.einsum("...ki,...ki->...k", np.nan_to_num(truth.forces), normals)
         self._rows.put(tick, trials, row)
         self._exact.put(
             tick,
             trials,
-            {**measured, "pressing": pressing, "felt": felt, "distance": distance, "sine": sine, "cosine": cosine},
+            {
+                **measured,
+                "time": seen.time,
+                "loads": truth.loads,
+                "pressing": pressing,
+                "felt": felt,
+                "distance": distance,
+                "sine": sine,
+                "cosine": cosine,
+            },
         )
 
     def trajectory(self, trial: int) -> Mapping[str, Float32Array]:
         """The arrays of a trial, one row a tick; none where it had no tick."""
-        return self._rows.of(trial, int(self.last[trial]) + 1)
+        ticks = int(self.last[trial]) + 1
+        rows = self._rows.of(trial, ticks)
+        if rows:
+            rows |= {name: array.astype(np.float32) for name, array in self._priorities.channels(trial, ticks).items()}
+        return rows
 
     def ticks_to_converge(self, trial: int) -> int | None:
         """Ticks or probes of the controller until the end conditions began to hold for good."""
@@ -129,40 +158,25 @@ class Logbook:
             "object_shift": float(self.shift[trial]),
             "object_lean": float(self.lean[trial]),
             "ticks": max(0, samples - 1),
-            "largest_leak": float(self.largest_leak[trial]),
-            "leaking_ticks": int(self.leaking_ticks[trial]),
+            "priorities": self._priorities.disturbances(trial, exact["time"]) if exact else (),
             "point_error": _percentiles(exact["distance"][exact["felt"] > 0.0] if exact else np.zeros(0)),
             "normal_error": _percentiles(_angles(exact) if exact else np.zeros(0)),
             "samples": samples,
+            "balance": self._balance(trial, exact) if exact else None,
             "world_s": float(self.world_s[trial]),
         }
+
+    def _balance(self, trial: int, exact: Mapping[str, Array]) -> Balance | None:
+        """What each party puts on the object at the end; None where it is not known."""
+        first = int(np.searchsorted(exact["time"], exact["time"][-1] - BALANCED_S, side="right"))
+        loads = exact["loads"][max(first, int(self.held_since[trial])) :].mean(axis=0)
+        known = np.isfinite(loads).all()
+        return Balance(**dict(zip(PARTIES, map(tuple, loads.tolist()), strict=True))) if known else None
 
     def _begun(self, trial: int) -> int:
         """The tick at which the controller takes over from the close, or of the first touch where there is only one."""
         control = int(self.control_start[trial])
         return int(self.first_touch[trial]) if control == NEVER else control
-
-
-class _Columns:
-    """Arrays by name, (ticks, N, ...), that grow with the ticks."""
-
-    def __init__(self, count: int, kind: type[np.floating[Any]]) -> None:
-        self._count, self._kind = count, kind
-        self._arrays: dict[str, Any] = {}
-
-    def put(self, tick: int, trials: Rows, row: Row) -> None:
-        for name, values in row.items():
-            array = self._arrays.get(name)
-            if array is None:
-                array = np.zeros((ROOM, self._count, *np.shape(values)[1:]), dtype=self._kind)
-            if tick >= len(array):
-                array = np.concatenate([array, np.zeros_like(array)])
-            array[tick, trials] = values
-            self._arrays[name] = array
-
-    def of(self, trial: int, ticks: int) -> dict[str, Any]:
-        """The arrays of a trial, (ticks, ...), each on its own."""
-        return {name: array[:ticks, trial].copy() for name, array in self._arrays.items()} if ticks else {}
 
 
 def _padded(values: Array, width: int) -> Array:

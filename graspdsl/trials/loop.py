@@ -34,7 +34,7 @@ TOLD_EACH = 25  # draws
 OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
 
 TRIAL_TICKS = 200_000  # of trials side by side: some 150 MB of floating contacts, if all run to the end of their time
-NOTHING = Logbook([], np.zeros((1, 3)), 0)  # of a trial that had no tick
+NOTHING = Logbook([], np.zeros((1, 3)), [])  # of a trial that had no tick
 
 OnDrawing = Callable[[int, int], None]  # number of a trial, draws of a start that it could not take up so far
 
@@ -77,7 +77,7 @@ class TrialLoop:
         self.together = together(program) if isinstance(world, ManyWorld) else 1
         self._most_draws = most_draws
         self._stages = stages_of(program)
-        self._evaluation = Evaluation(program.spec.evaluate, program.spec.scene.friction, program.robot)
+        self._evaluation = Evaluation(program)
 
     def run(self, number: int, seed: int) -> Trial:
         """Run one trial. What goes wrong in the world is its outcome, not an exception."""

@@ -23,12 +23,11 @@ from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.models import Spec
 from graspdsl.spec.trials import GridAxis, StartSettings
 from graspdsl.trials.course import Course, stages_of
-from graspdsl.trials.measures import orientation
+from graspdsl.trials.measures import orientation, with_gravity
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.starts import ORIENTATION, PLACEMENT, generator
 from graspdsl.worlds.floating import Floating, FloatingWorld
-from graspdsl.worlds.protocol import GRAVITY
 
 PARAMETERS = (*ORIENTATION, *PLACEMENT)
 TOGETHER = 2000  # cells of floating contacts side by side, which bounds the memory
@@ -214,7 +213,7 @@ def floating_cells(
     surface = program.body.shape.surface()
     points = starts(surface, x, y, names.index(moved), len(names), seed)
     outcomes, ends, ticks = [""] * len(points), np.zeros(len(points)), np.full(len(points), math.nan)
-    world = FloatingWorld(names, surface, GRAVITY * program.body.mass, program.body.major_axis)
+    world = FloatingWorld(names, surface, program.spec.scene.gravity * program.body.mass, program.body.major_axis)
     stages, done = stages_of(program), 0
     for first in range(0, len(points), TOGETHER):
         world.place(points[first : first + TOGETHER])
@@ -223,7 +222,9 @@ def floating_cells(
             assert witness is not None
             truth = witness.truth()
             outcomes[first + place] = ending.outcome.value
-            ends[first + place] = orientation(grasp.matrix @ truth.points, truth.object_axis)
+            ends[first + place] = orientation(
+                grasp.matrix @ with_gravity(truth.points, truth, grasp), truth.object_axis
+            )
             if ending.outcome is Outcome.CONVERGED:
                 ticks[first + place] = course.log.ticks_to_converge(place)
             done += 1

@@ -48,11 +48,17 @@ def true_contacts(observation: Observation, truth: Truth) -> tuple[Array, Array]
     return np.where(known, truth.points, observation.points), np.where(known, truth.normals, observation.normals)
 
 
+def with_gravity(points: Array, truth: Truth, grasp: ContactSet) -> Array:
+    """Contact points (..., k, 3) and, where γ_g is among the resources of a grasp, where it pulls: the centre of mass
+    after them, as the matrix of the grasp has it."""
+    return np.concatenate([points, truth.object_position[..., None, :]], axis=-2) if grasp.has_gravity else points
+
+
 def measure(observation: Observation, truth: Truth, grasp: ContactSet) -> GraspMeasure:
     """The residuals (Eq. 4.1, 4.2 with 4.32) and the orientation (Sec. 4.5.1, 4.5.2) of the present grasps."""
     points, normals = true_contacts(observation, truth)
+    points = with_gravity(points, truth, grasp)
     if grasp.has_gravity:
-        points = np.concatenate([points, truth.object_position[..., None, :]], axis=-2)
         normals = np.concatenate([normals, np.broadcast_to(DOWN, (*normals.shape[:-2], 1, 3))], axis=-2)
     weights = grasp.weights
     centroid = weights @ points / weights.sum()

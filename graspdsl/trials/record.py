@@ -11,11 +11,13 @@ from pydantic import Field, FiniteFloat
 
 from graspdsl.arrays import Float32Array
 from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.priorities import Disturbance
 
 LARGEST_VALUE = 1e30  # of any SI unit: above what a simulation that blew up measures, below where squares overflow
 
 # Bounds for records that are read back; those that a trial makes keep them by themselves.
 Count = Annotated[int, Field(ge=0)]
+Load = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Duration = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
@@ -28,6 +30,18 @@ class RejectedStart:
 
 
 @dataclass(frozen=True, slots=True)
+class Balance:
+    """What each party puts on the object in a final grasp: its force [N] along x, y and z and its moment [N·m] about
+    the centre of mass, means over the last second, or over the time for which the end conditions have held if that is
+    shorter. Together they are what is left over to accelerate the object, or what it is fixed to bears."""
+
+    contacts: Load
+    links: Load
+    table: Load
+    gravity: Load
+
+
+@dataclass(frozen=True, slots=True)
 class TrialRecord:
     """One trial. Lengths in m, angles in rad, forces in N, times in s; NaN where there was nothing to measure.
 
@@ -37,8 +51,9 @@ class TrialRecord:
     the tick from which on the end conditions held (None without convergence); where contacts are displaced by probing,
     a tick is a probe. ``samples`` counts the tactile readings that the controller used: one a tick, or one a probe.
     ``wall_s`` is the computer's time, an equal share of what was done for several trials at once. ``tare_s`` is that
-    taken to tare the sensors, which ``world_s`` does not include. ``quality`` holds the grades of the final grasp that
-    the spec asks for, by their names.
+    taken to tare the sensors, which ``world_s`` does not include. ``priorities``: what became of each level that others
+    are subject to. ``balance`` is that of the final grasp, None where the world does not tell what acts on its object.
+    ``quality`` holds the grades of the final grasp that the spec asks for, by their names.
     """
 
     number: Count
@@ -59,13 +74,13 @@ class TrialRecord:
     ticks: Count
     ticks_to_converge: Count | None
     samples: Count
-    largest_leak: float
-    leaking_ticks: Count
     point_error: tuple[float, float]
     normal_error: tuple[float, float]
     world_s: Duration
     wall_s: float
     tare_s: float = 0.0
+    priorities: tuple[Disturbance, ...] = ()
+    balance: Balance | None = None
     quality: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property

@@ -15,10 +15,12 @@ from pydantic_core import from_json
 from graspdsl.quality.grade import Grade
 from graspdsl.quality.grades import GRADES
 from graspdsl.trials.outcomes import OUTCOMES
-from graspdsl.trials.record import LARGEST_VALUE, RejectedStart, TrialRecord
+from graspdsl.trials.priorities import Disturbance
+from graspdsl.trials.record import LARGEST_VALUE, Balance, RejectedStart, TrialRecord
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
+_PARTS = ("rejected", "priorities", "balance")
 _ANGLES = ("orientation_start", "orientation_end")
 _NUMBERS = ("contact_forces", "point_error", "normal_error")
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
@@ -40,8 +42,10 @@ def _read_of(grade: Grade) -> Any:
     return create_model("_Grade", __base__=_Part, **fields)
 
 
-class _Rejected(_Part):
+class _Parts(_Part):
     rejected: tuple[RejectedStart, ...]
+    priorities: tuple[Disturbance, ...]
+    balance: Balance | None
 
 
 @cache
@@ -68,7 +72,8 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     try:
         values |= {name: _tuple(values[name]) for name in _NUMBERS}
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
-        values["rejected"] = _Rejected.model_validate_json(f'{{"rejected": {values["rejected"]}}}').rejected
+        parts = ", ".join(f'"{name}": {values[name] or "null"}' for name in _PARTS)
+        values |= vars(_Parts.model_validate_json(f"{{{parts}}}"))
         values |= {name: math.nan for name in _MEASURED if values[name] is None}
         if values["outcome"] not in OUTCOMES:
             raise ValueError(f"{values['outcome']!r} is not a valid Outcome")
@@ -78,7 +83,7 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
         raise ValueError("a value has another type") from None
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
-        raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg'].lower()}") from None
+        raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"].lower())))) from None
     if any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
         raise ValueError("a value is too large to be measured")
     if any(not (math.isnan(angle) or 0.0 <= angle <= math.pi / 2) for angle in (values[name] for name in _ANGLES)):
@@ -112,3 +117,5 @@ def _numbers_in(value: object) -> Iterator[float]:
             yield from _numbers_in(part)
     elif isinstance(value, RejectedStart):
         yield from value.drawn.values()
+    elif isinstance(value, Balance):
+        yield from _numbers_in(dataclasses.astuple(value))

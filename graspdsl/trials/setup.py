@@ -15,9 +15,10 @@ def settings_of(program: Program) -> WorldSettings:
     """What of a program its world is made from."""
     scene = program.spec.scene
     fixed = isinstance(scene.object, InlineObject) and scene.object.fixed
-    anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else Anchor.NONE
+    free = Anchor.AFLOAT if scene.afloat else Anchor.NONE
+    anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else free
     sensing = program.world.sensor(scene.sensing)
-    return WorldSettings(program.robot, program.body, scene.friction, sensing, anchor, program.probes)
+    return WorldSettings(program.robot, program.body, scene.friction, sensing, anchor, program.probes, scene.gravity)
 
 
 def world_of(program: Program) -> WitnessedWorld:
@@ -38,4 +39,5 @@ def hand_of(program: Program, position: Array | None = None, rotation: Array | N
     Raises DiagnosticError where contacts are sensed by other than load cells, and ValueError for a mount without a base
     where there is no pose, or what is given is none.
     """
-    return RealHand(program.robot, settings_of(program).sensing, position, rotation)
+    settings = settings_of(program)
+    return RealHand(program.robot, settings.sensing, position, rotation, settings.gravity)

@@ -11,10 +11,14 @@ import numpy as np
 
 from graspdsl.arrays import Float32Array
 from graspdsl.compiler.program import Program
+from graspdsl.trials.priorities import CAUSES
+from graspdsl.worlds.protocol import PARTIES
 
 Rows = dict[str, Float32Array]  # one row a tick, by name; none where a trial ended before its first tick
 
 CONTACTS, JOINTS, LEVELS = "contacts", "joints", "levels"  # axes, as long as there are of these
+_OF_LEVELS = "; NaN for those of other stages"
+_SENSED = "of what the level senses: 1, m, N, N·m or rad"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +36,28 @@ _POINTS = (CONTACTS, 3)
 CHANNELS: Mapping[str, Channel] = {
     "time": Channel("the world's time since the trial began", "s", needed=True),
     "phase": Channel("the phase of the program, from 0", "1", needed=True),
+    "stage": Channel("the stage, from 0 over all phases: of 'a then b' each is one", "1", needed=True),
     "force_residual": Channel("‖ρ_f‖ of the true contacts", "1", needed=True),
     "moment_residual": Channel("‖ρ_m‖ of the true contacts, about their centroid", "m", needed=True),
     "orientation": Channel("angle of the grasp against the object's axis, 0 to π/2", "rad"),
     "sensed_force_residual": Channel("ρ_f as the controller senses it", "1", (3,)),
     "sensed_moment_residual": Channel("ρ_m as the controller senses it", "m", (3,)),
-    "leaks": Channel("what of each lower priority reaches a higher one; NaN for those of other phases", "1", (LEVELS,)),
-    "null_space_ranks": Channel(
-        "dimensions of the null spaces of lower priorities; NaN for those of other phases", "1", (LEVELS,)
+    "null_space_ranks": Channel("dimensions of the null spaces of lower priorities" + _OF_LEVELS, "1", (LEVELS,)),
+    "predicted_disturbance": Channel(
+        "what the command does to each level beyond what it alone would have done, by its Jacobian" + _OF_LEVELS,
+        "of what its Jacobian tells: 1, m, m² of pressed moments or rad",
+        (LEVELS,),
+    ),
+    "observed_disturbance": Channel(
+        "what the level senses at the next tick beyond what it alone would have done by its Jacobian" + _OF_LEVELS,
+        _SENSED,
+        (LEVELS,),
+        needed=True,
+    ),
+    "disturbance_by_cause": Channel(
+        "the shares in what was observed, which sum to it, of " + ", ".join(CAUSES) + _OF_LEVELS,
+        _SENSED,
+        (LEVELS, len(CAUSES)),
     ),
     "joints": Channel("joints, in command order", "rad, m of a slide", (JOINTS,), needed=True),
     "touching": Channel("1 where a contact feels that it touches, else 0", "1", (CONTACTS,), needed=True),
@@ -52,6 +70,11 @@ CHANNELS: Mapping[str, Channel] = {
     "object_position": Channel("the object's centre of mass", "m", (3,), needed=True),
     "object_rotation": Channel("rotation of the object's frame", "1", (3, 3), needed=True),
     "object_axis": Channel("the object's major axis, a unit vector", "1", (3,)),
+    "loads": Channel(
+        f"what {', '.join(PARTIES)} put on the object, force, then moment about its centre of mass; NaN where not told",
+        "N, N·m of a moment",
+        (len(PARTIES), 6),
+    ),
 }
 
 
@@ -61,15 +84,19 @@ class DamagedTrajectoryError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What the trajectories of a program have in common: contacts and recorded joints."""
+    """What the trajectories of a program have in common: contacts, recorded joints, and the most levels of a stage that
+    others are subject to."""
 
     contacts: int
     joints: int
+    levels: int
 
     @classmethod
     def of(cls, program: Program) -> Layout:
         """The layout of a program's trajectories."""
-        return cls(len(program.robot.contacts), len(program.robot.joints) if program.world.has("hand") else 0)
+        levels = max(len(pipeline.priorities) for stages in program.pipelines() for pipeline in stages)
+        joints = len(program.robot.joints) if program.world.has("hand") else 0
+        return cls(len(program.robot.contacts), joints, levels)
 
 
 def write_trajectory(path: Path, rows: Mapping[str, Float32Array]) -> None:
@@ -102,9 +129,10 @@ def _check(rows: Mapping[str, Any], layout: Layout | None) -> None:
         raise DamagedTrajectoryError(f"it has no {', '.join(missing)}")
     if len({np.shape(values)[:1] for values in rows.values()}) != 1:
         raise DamagedTrajectoryError("its arrays have not as many rows")
-    sizes = {CONTACTS: rows["touching"].shape[-1], JOINTS: rows["joints"].shape[-1]}
+    levels = rows["observed_disturbance"].shape[-1]
+    sizes = {CONTACTS: rows["touching"].shape[-1], JOINTS: rows["joints"].shape[-1], LEVELS: levels}
     if layout is not None:
-        sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints}
+        sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints, LEVELS: layout.levels}
     for name, shape in needed.items():
         wanted = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
         if rows[name].shape[1:] != wanted:

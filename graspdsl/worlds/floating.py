@@ -15,7 +15,7 @@ from graspdsl.basis.algebra import along
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import Command, Names, Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.protocol import PARTIES, Command, Names, Observation, Start, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
 
@@ -58,7 +58,7 @@ class Floating(WorldKind):
     contacts = "floating contacts"
     senses = ("exact",)
     approaches = ("surface",)
-    knows_object = True
+    knows_object = knows_surface = True
     lacks: ClassVar[Mapping[Ability, str]] = {
         "hand": "floating contacts have no hand",
         "forces": "floating contacts feel no forces",
@@ -152,6 +152,7 @@ class FloatingWorld:
             touching_links=nobody,
             table_links=nobody,
             stopped_joints=nobody,
+            loads=np.full((*batch, len(PARTIES), 6), np.nan),
         )
 
     def close(self) -> None:

@@ -12,9 +12,10 @@ from graspdsl.arrays import Array
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import LoadCell, Sensing, TactileSensor, sensor_of
 from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture
-from graspdsl.worlds.protocol import GRAVITY, Start, WitnessedWorld
+from graspdsl.worlds.protocol import Start, WitnessedWorld
 
 TABLE_FRICTION = 0.5
 
@@ -28,6 +29,7 @@ class Anchor(enum.Enum):
     """What the object is fixed to when a trial starts."""
 
     NONE = "free, standing on the table"
+    AFLOAT = "free and without weight, the table out of the way"
     HAND = "held by the hand, the table out of the way"
     WORLD = "fixed to the world"
 
@@ -96,7 +98,8 @@ class WorldKind(ABC):
     which contacts are displaced. ``at_once``: a contact gets to another place within a tick, however far, so that it
     need not be probed. ``together``: how many trials it runs side by side. ``pace``: how contacts move where they are
     not probed; ``contacts``: what they are called. ``approaches``: the starts that it has. ``knows_object``: where the
-    object is, is known though nothing holds it. ``lacks``: what it has not, each with the reason as messages give it.
+    object is, is known though nothing holds it; ``knows_surface``: it stays at the origin, and how it curves is known,
+    too. ``lacks``: what it has not, each with the reason as messages give it.
     """
 
     name: ClassVar[str]
@@ -110,6 +113,7 @@ class WorldKind(ABC):
     contacts: ClassVar[str] = "contacts"
     approaches: ClassVar[tuple[str, ...]] = ("side", "top")
     knows_object: ClassVar[bool] = False
+    knows_surface: ClassVar[bool] = False
     lacks: ClassVar[Mapping[Ability, str]] = {}
 
     @property

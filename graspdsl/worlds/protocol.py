@@ -12,8 +12,9 @@ from typing import Any, Protocol, runtime_checkable
 
 from graspdsl.arrays import Array, Flags, Rows
 
-GRAVITY = 9.81  # m/s²
 TABLE_SIZE = (1.6, 1.6, 0.05)  # m
+PARTIES = ("contacts", "links", "table", "gravity")
+"""What acts on the object: fingertips, what else of the robot touches it, the table, its weight."""
 
 Names = tuple[Any, ...]  # of links or joints; of many trials, a tuple of names for each
 
@@ -92,7 +93,9 @@ class Truth:
     object_position: (3,) centre of mass [m]; object_rotation: (3, 3) of its body frame; object_axis: (3,) the body's
     major axis; object_lean [rad]: how far it has tilted from its start. touching_links: what else than fingertips
     presses on the object, by link name. table_links: what of the robot presses on the table, by link name.
-    stopped_joints: names of the joints that the last step would have sent beyond their limits.
+    stopped_joints: names of the joints that the last step would have sent beyond their limits. loads: (4, 6), the net
+    force [N] of each of PARTIES on the object and its moment [N·m] about the centre of mass, means over the tick; NaN
+    where it is not known. They make up the change of the object's momentum in it, but for what it is fixed to.
     """
 
     points: Array
@@ -105,6 +108,7 @@ class Truth:
     touching_links: Names
     table_links: Names
     stopped_joints: Names
+    loads: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,9 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.hands.articulated_inertia import mass_of, pose_of
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion, LinkMotion
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
-from graspdsl.worlds.protocol import GRAVITY, Observation, Start
+from graspdsl.worlds.protocol import Observation, Start
 from graspdsl.worlds.start_pose import root_pose
 from graspdsl.worlds.touch.fingertip_sensor import Clock, Fingertip
 from graspdsl.worlds.touch.fingertips import Fingertips

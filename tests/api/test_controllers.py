@@ -33,7 +33,8 @@ def test_a_tick_is_that_of_the_pipeline_that_runs(controller: g.Controller) -> N
         tick, expected = controller(observation(seed)), pipeline.evaluate(observation(seed))
         np.testing.assert_array_equal(tick.command.displacement, expected.command.displacement)
         np.testing.assert_array_equal(tick.force_residual, expected.force_residual)
-        assert (tick.leaks, tick.ranks, tick.force_error) == (expected.leaks, expected.ranks, expected.force_error)
+        assert (tick.ranks, tick.force_error) == (expected.ranks, expected.force_error)
+        assert tick.disturbances == expected.disturbances
 
 
 def test_it_says_what_it_is_of(controller: g.Controller) -> None:
@@ -83,6 +84,19 @@ def test_control_is_that_of_a_spec() -> None:
     usual, halved = (g.compile("π_gx|Γ Γ", control=control)(seen) for control in ({"cap": 0.01}, {"cap": 0.005}))
     longest = [np.linalg.norm(tick.command.displacement, axis=1).max() for tick in (usual, halved)]
     np.testing.assert_allclose(longest, [0.01, 0.005])
+
+
+def test_a_surface_that_is_not_known_is_a_sphere_wherever_it_lies() -> None:
+    """Moved as a whole, a grasp slides as before; S is (I − n nᵀ) / r of the ball that the example holds."""
+    controller = g.compile("φ_w|τ_wsx(Γ) σ_w(Γ)")
+    here = controller.example()
+    there = replace(here, points=here.points + np.array([1.0, -2.0, 0.5]))
+    assert np.allclose(controller(here).command.displacement, controller(there).command.displacement, atol=1e-12)
+    [step] = [number for number, step in enumerate(controller.pipeline.steps) if step.label == "S"]
+    normal, turns = here.normals[0], controller.pipeline.values(there)[step][0]
+    tangent = np.cross(normal, [0.0, 0.0, 1.0])
+    assert np.allclose(turns @ normal, 0.0)
+    assert np.allclose(turns @ tangent, tangent / 0.05)
 
 
 def test_all_contacts_of_another_hand_have_names() -> None:

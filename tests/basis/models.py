@@ -67,6 +67,20 @@ def _displaced(motion: Motion) -> Motion:
     return moved
 
 
+def _over_the_surface(inputs: Inputs, x: Array, _: Coordinates) -> Inputs:
+    """Contacts displaced by x (3k,) as far as that is along the surface, whose shape operators turn each normal about
+    an axis in the tangent plane; the point that moments are taken about is carried along by its shares."""
+    normals = inputs["normals"]
+    step = x.reshape(-1, 3) - np.sum(x.reshape(-1, 3) * normals, axis=-1, keepdims=True) * normals
+    change = -np.einsum("kij,kj->ki", inputs["shape_operators"], step)
+    return {
+        **inputs,
+        "points": inputs["points"] + step,
+        "normals": Rotation.from_rotvec(np.cross(normals, change)).apply(normals),
+        "origin": inputs["origin"] + inputs["origin_shares"] @ step,
+    }
+
+
 def _turned(inputs: Inputs, r: Array, _: Coordinates) -> Inputs:
     """The object turns by r (3,) about the origin of moments, and all that is fixed to it: every contact with its
     normal, and the centre of mass, which stands behind the contacts where gravity is sensed. Down stays down."""
@@ -109,6 +123,7 @@ MODELS: Mapping[str, Model] = {
         "σ_w",
         (Part("σ_fr", _displaced(_round_a_sphere)), Part("σ_mr", _displaced(_on_a_plane), "curvature_radius")),
     ),
+    "τ_wsx": Model("σ_w", (Part("σ_fr", _over_the_surface), Part("σ_mr", _over_the_surface, "curvature_radius"))),
     "τ_frr": _model("σ_fr", _turned),
     "τ_mrr": _model("σ_mr", _turned),
     "τ_p": _model("σ_p", _joints_move),

@@ -14,11 +14,10 @@ from graspdsl.arrays import Array
 from graspdsl.basis import spaces
 from graspdsl.basis.effectors import EFFECTORS, Effector
 from graspdsl.basis.potentials import POTENTIALS, displaced_in, lowering
-from graspdsl.basis.resources import JointSet
 from graspdsl.basis.sensors import SENSORS, measuring
 from graspdsl.basis.spaces import NET_FORCE, NET_MOMENT, NET_WRENCH, GradientSpace, TaskSpace
 from graspdsl.contracts.differences import central_differences
-from graspdsl.contracts.drawing import Resources, drawn, moved_and_sensed, moved_by, sensed_by, sets_of
+from graspdsl.contracts.drawing import Resources, drawn, free_to_move, moved_and_sensed, moved_by, sensed_by, sets_of
 from graspdsl.contracts.motions import COLUMNS
 from graspdsl.spec.program import Until
 
@@ -77,13 +76,13 @@ def test_effector_is_the_derivative_under_its_model(
     effector: Effector, moved: Resources, sensed: Resources, coordinates: Coordinates
 ) -> None:
     model = MODELS[effector.symbol]
-    mask = moved.mask if isinstance(moved, JointSet) else 1.0
+    free = free_to_move(effector, moved)
     for at_rest in islice(drawn(sensed, coordinates=coordinates), 5):
 
         def read(displacement: Array, at_rest: dict[str, Array] = at_rest) -> Array:
             parts = []
             for part in model.parts:
-                after = part.moved(at_rest, mask * displacement, coordinates)
+                after = part.moved(at_rest, free * displacement, coordinates)
                 value = sensed_by(SENSORS[part.sensor], sensed, after)
                 parts.append(value.ravel() / (at_rest[part.unit] if part.unit else 1.0))
             return np.concatenate(parts)

@@ -237,8 +237,7 @@ def test_what_steers_a_terminal_is_shown_and_not_done(copied: Path) -> None:
 
 
 def test_tables_show_text_only() -> None:
-    side = laid_out(Table("a\x1b[2Jtitle", (Column("a\x1b[2Jcolumn"),), (("a\x1b[2Jcell",),)))
-    side.caption = "a\x1b[2Jcaption"
+    side = laid_out(Table("a\x1b[2Jtitle", (Column("a\x1b[2Jcolumn"),), (("a\x1b[2Jcell",),), "a\x1b[2Jnote"))
     text = text_of(["a\x1b[2Jline", Text("a\x1b[2Jtext"), side], "a\x1b[2Jcommand")
     assert text.count("\ufffd[2J") == 7
     assert "\x1b" not in text

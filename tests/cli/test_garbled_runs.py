@@ -86,6 +86,7 @@ def test_every_garbled_run_is_read_or_refused(whole: RunFolder, tmp_path: Path) 
 def test_the_commands_show_garbled_runs_or_complain_once(
     whole: RunFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Each fault once, and several only of a spec, all faults of which are told."""
     monkeypatch.chdir(tmp_path)
     for number, _ in enumerate(each(whole, tmp_path / "run", SHOWN, seed=5)):
         for words in (
@@ -95,6 +96,9 @@ def test_the_commands_show_garbled_runs_or_complain_once(
             ["run", "--resume", "run", "--workers", "1"],
         ):
             answer = CliRunner().invoke(app, words)
-            assert (answer.exit_code, answer.stderr.count("error[")) in {(0, 0), (1, 1)}, answer.output
+            errors = [line for line in answer.stderr.splitlines() if "error[" in line]
+            assert (answer.exit_code, bool(errors)) in {(0, False), (1, True)}, answer.output
+            assert len(set(errors)) == len(errors)
+            assert len(errors) <= 1 or all(line.startswith("run/spec.yaml:") for line in errors), answer.output
             assert "Traceback" not in answer.output
             assert "\x1b" not in answer.output

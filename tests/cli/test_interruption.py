@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.program import SPEC, TRIALS, FinishedRun, Stop, begun, graspdsl, numbers, stopped
+from cli.program import SPEC, TRIALS, Stop, begun, graspdsl, numbers, stopped
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.store import RunFolder
@@ -22,6 +22,16 @@ from graspdsl.trials.store import RunFolder
 pytestmark = pytest.mark.slow
 
 RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
+CLOSE = SPEC.parent / "chapter" / "close.yaml"  # whose trials are short
+FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
+    """The numbers of a run that nothing stops."""
+    words = ("run", CLOSE, "--trials", str(TRIALS), "--workers", "1", "--json")
+    answer = graspdsl(*words, cwd=tmp_path_factory.mktemp("undisturbed"))
+    return numbers(json.loads(answer.stdout))
 
 
 def _to_all(number: signal.Signals) -> Stop:
@@ -47,7 +57,7 @@ def _to_a_worker(number: signal.Signals) -> Stop:
 
 def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
-    words = ("run", SPEC, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
+    words = ("run", CLOSE, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
     answer = stopped(*words, cwd=place, after=f" 1/{TRIALS} ", stop=stop)
     return answer.returncode, answer.stdout, answer.stderr
 
@@ -68,7 +78,7 @@ def _resumed(place: Path) -> list[dict[str, object]]:
     ],
     ids=["Ctrl-C, one process", "Ctrl-C, two workers", "SIGINT to the parent of two", "SIGTERM, one process"],
 )
-def test_interrupted(stop: Stop, workers: int, finished: FinishedRun, tmp_path: Path) -> None:
+def test_interrupted(stop: Stop, workers: int, undisturbed: list[dict[str, object]], tmp_path: Path) -> None:
     code, out, messages = _stopped(tmp_path, workers, stop)
     assert (code, out) == (130, "")
     assert messages.endswith(f"interrupted; {RESUME}")
@@ -76,8 +86,8 @@ def test_interrupted(stop: Stop, workers: int, finished: FinishedRun, tmp_path: 
     report = plain(summarised(evidence_of(RunFolder.open(tmp_path / "the run"))))
     kept = numbers(report)
     assert 1 <= report["trials"]["finished"] == len(kept) < TRIALS
-    assert all(record in numbers(finished.document) for record in kept)
-    assert _resumed(tmp_path) == numbers(finished.document)
+    assert all(record in undisturbed for record in kept)
+    assert _resumed(tmp_path) == undisturbed
 
 
 PATTERNS = {
@@ -89,7 +99,6 @@ PATTERNS = {
     "SIGINT twice": (signal.SIGINT, 2, _to_parent),
     "Ctrl-C five times": (signal.SIGINT, 5, _to_all),
 }
-FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -132,13 +141,13 @@ def test_what_is_said_is_said_where_a_simulator_is_silenced(tmp_path: Path) -> N
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"the end")
 
 
-def test_worker_killed(finished: FinishedRun, tmp_path: Path) -> None:
+def test_worker_killed(undisturbed: list[dict[str, object]], tmp_path: Path) -> None:
     code, out, messages = _stopped(tmp_path, 2, _to_a_worker(signal.SIGKILL))
     assert (code, out) == (130, "")
     cause = "a worker process ended too early (SIGKILL); if memory is short, fewer --workers need less"
     assert messages.endswith(f"{cause}; {RESUME}")
     assert "Traceback" not in messages
-    assert _resumed(tmp_path) == numbers(finished.document)
+    assert _resumed(tmp_path) == undisturbed
 
 
 def test_worker_crashed(tmp_path: Path) -> None:
@@ -169,7 +178,7 @@ def test_a_bug_leaves_a_crash_log(workers: int, tmp_path: Path) -> None:
     (broken / "pybullet.py").write_text("raise RuntimeError('this installation is broken')\n")
     logs = tmp_path / "logs"
     logs.mkdir()
-    words = ("run", SPEC, "--trials", "2", "--workers", str(workers), "--out", "the run", "--json")
+    words = ("run", CLOSE, "--trials", "2", "--workers", str(workers), "--out", "the run", "--json")
     answer = graspdsl(*words, cwd=tmp_path, env={"PYTHONPATH": str(broken), "TMPDIR": str(logs)})
     (log,) = logs.iterdir()
     assert (answer.returncode, answer.stdout) == (3, "")

@@ -170,15 +170,17 @@ def test_the_summary_says_why_no_start_was_feasible(tmp_path: Path) -> None:
     answer = graspdsl("report", "run", cwd=tmp_path, env={"COLUMNS": "120"})
     [row] = [line for line in answer.stdout.splitlines() if line.startswith("infeasible-start") and reason in line]
     assert row.split(maxsplit=1) == ["infeasible-start", f"the start is not feasible: {reason}"]
-    assert "of 0 trials whose contacts all touched at the end" in answer.stdout
+    assert "of 0 trials that settled in contact" in answer.stdout
     assert "How good the grasps are" not in answer.stdout
 
 
 def test_modes_say_of_which_trials_they_are(finished: FinishedRun) -> None:
     answer = graspdsl("report", "run", cwd=finished.folder.parent)
-    said = re.search(r"^of (\d+) trials? whose contacts all touched at the end", answer.stdout, flags=re.M)
+    said = re.search(r"^of (\d+) trials? that settled in contact", answer.stdout, flags=re.M)
     assert said is not None
-    assert int(said[1]) == sum(finished.document["in_contact"]["end"])
+    touching = finished.document["in_contact"]["end"]
+    ended = zip(finished.document["records"], touching, strict=True)
+    assert int(said[1]) == sum(OUTCOMES[record["outcome"]].settled and touched for record, touched in ended)
 
 
 def test_runs_begun_at_once_get_folders_of_their_own(tmp_path: Path) -> None:

@@ -76,7 +76,7 @@ def test_the_program_ends_with_the_same_code(words: tuple[str, ...], tmp_path: P
 
 def test_version(tmp_path: Path) -> None:
     answer = graspdsl("--version", cwd=tmp_path)
-    assert (answer.returncode, answer.stdout, answer.stderr) == (0, "graspdsl 0.2.0\n", "")
+    assert (answer.returncode, answer.stdout, answer.stderr) == (0, "graspdsl 0.3.0\n", "")
 
 
 @pytest.mark.parametrize("command", ["validate", "run", "explain", "report", "schema"])

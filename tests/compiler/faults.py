@@ -124,6 +124,27 @@ WORLDS = (
     Case("monitors by their outcomes", spec(monitors="palm-collision: off, joint-limit: 1, toppled: 0.2, timeout: 9")),
     Case("monitors that are not understood", spec(monitors="palm: never, lean: stop, lots: 1, progress: {window: 0}")),
     Case("load cells on the command line", floating(), ("scene.sensing=load-cell",)),
+    _floating("conventions that no grade judges by", grading="torque_scale: 0.04"),
+    _floating("a scale of moments below all that is held", evaluate="force-closure", grading="torque_scale: 1e-12"),
+    _floating("edges of no cone", evaluate="grasp-matrix", grading="edges: 8"),
+    Case("conventions for a lift", spec(evaluate="lift", grading="edges: 8")),
+    _floating(
+        "conventions that frictionless contacts have no use for",
+        evaluate="ferrari-canny",
+        grading="contact: frictionless, torsion: 0.001, edges: 8",
+    ),
+    _floating(
+        "friction that frictionless contacts are not judged by",
+        scene="object: ball, friction: 0.5",
+        evaluate="force-closure",
+        grading="contact: frictionless",
+    ),
+    _floating("a torsion of hard contacts", evaluate="force-closure", grading="contact: hard, torsion: 0.001"),
+    _floating(
+        "conventions that cannot be",
+        evaluate="force-closure",
+        grading="contact: soft, torsion: -0.1, edges: 5, torque_scale: 4 cm",
+    ),
 )
 SENSING = (
     Case("a sensor that is not there", spec(scene=f"{TOWEL_ROLL}, sensing: lod-cell")),
@@ -268,6 +289,8 @@ SENSED = spec(scene=f"{TOWEL_ROLL}, sensing: load-cell")
 GRID = "count: 3, grid: [{parameter: roll, low: -1.0, high: 1.0, cells: 4}]"
 MONITORS = "palm: 30, lost: 100, dragged: 0.2, progress: {window: 16}"
 REVERSED = "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_n(Γ)) ◁ φ_p|τ_p(Γ) σ_p(Γ) (π_gx|Γ Γ)"
+WEIGHTLESS = "world: bullet, object: towel-roll, gravity: 0"
+WEIGHTLESS_HELD = "world: bullet, object: {like: towel-roll, held: true}, gravity: 0"
 EFFECTS = (
     Case("a net force that is always low enough", spec(until="force_residual: 3.0")),
     _floating("a net force that is never low enough", "π_gx|γ1 γ1", until="force_residual: 0.1"),
@@ -302,6 +325,14 @@ EFFECTS = (
     ),
     Case("monitors that no trial is long enough for", spec(until="force_residual: 0.1", monitors=MONITORS)),
     Case("progress that nothing waits for", spec(monitors="progress: {window: 3}")),
+    Case("weight of nothing", spec(scene=WEIGHTLESS, monitors="lean: 0.2, table: 1", evaluate="lift, shake")),
+    Case("gravity of nothing", spec("π_rgθ|γ1 {γ1, γ_g}", scene=WEIGHTLESS_HELD)),
+    _floating("gravity of what floats on its contacts", scene="object: ball, gravity: 1.62"),
+    Case("forces that no virtual contact shares", spec("π_close|γ1 γ1", control="virtual_forces: shared")),
+    Case(
+        "a share under which a touch ends",
+        spec("π_close|Γ Γ", parameters="κ_f: 0.05", control="virtual_forces: shared"),
+    ),
     Case("a number that looks octal", spec().replace("program:", "trials: {count: 1, seed: 010}\nprogram:")),
     Case("a number that looks octal on the command line", spec(), ("trials.seed=0017",)),
     Case("cells that no trial begins in", spec().replace("program:", f"trials: {{{GRID}}}\nprogram:")),

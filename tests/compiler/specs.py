@@ -23,6 +23,7 @@ def spec(
     start: str = "",
     monitors: str = "",
     evaluate: str = "",
+    grading: str = "",
 ) -> str:
     """The text of a spec without a fault, but for what is given."""
     lines = ["graspdsl: 1", "name: test", f"scene: {{{scene}}}", "resources:"]
@@ -36,6 +37,7 @@ def spec(
     lines += [f"trials: {{start: {{{start}}}}}"] if start else []
     lines += [f"monitors: {{{monitors}}}"] if monitors else []
     lines += [f"evaluate: [{evaluate}]"] if evaluate else []
+    lines += [f"grading: {{{grading}}}"] if grading else []
     return "\n".join(lines) + "\n"
 
 

@@ -119,4 +119,4 @@ def test_sound_formulas_give_finite_commands(space: GradientSpace, data: st.Data
     assert tick.command.space == ("x" if space is GradientSpace.SURFACE else space.value)
     assert all(rank >= 0 for rank in tick.ranks)
     assert np.all(np.isfinite(tick.command.displacement))
-    assert all(leak < 1e-9 for leak in tick.leaks)
+    assert np.all(np.isfinite(tick.disturbances))

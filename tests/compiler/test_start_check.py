@@ -55,6 +55,7 @@ def test_what_no_trial_can_begin_with(settings: list[str], code: str, said: str)
         ["scene.object=bottle"],  # it has a neck
         ["scene.object=squirt-bottle"],
         ["scene.object=detergent-bottle"],
+        ["scene.object={ellipsoid: {size: [0.06, 0.06, 0.12]}, mass: 1}", "scene.gravity=0"],
     ],
 )
 def test_what_some_trial_can_begin_with(settings: list[str]) -> None:

@@ -81,6 +81,11 @@ class Slippery(IsotropyGrade):
         return {"index": {**found, "value": found["value"] and grasp.friction * found["value"]}}
 
 
+class InMetres(IsotropyGrade):
+    def of(self, grasp: Grasp) -> Found:
+        return super().of(replace(grasp, torque_scale=1.0))
+
+
 MUTANTS = [
     ("contract-declared", Misdeclared),
     ("contract-table", OutOfTheTable),
@@ -92,6 +97,7 @@ MUTANTS = [
     ("contract-complete", WithoutReason),
     ("contract-same-again", Overwriting),
     ("contract-anywhere", AboutTheWorld),
+    ("contract-units", InMetres),
     ("contract-friction", Slippery),
 ]
 

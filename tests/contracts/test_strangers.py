@@ -95,7 +95,10 @@ def test_its_potential_is_a_pseudo_huber_function(length: float) -> None:
     ],
 )
 def test_its_grade_is_that_of_grasps_in_closed_form(points: Array, index: float) -> None:
-    found = IsotropyGrade().of(Grasp(robot("barrett", "gantry"), 0.5, points.astype(float), -points.astype(float)))
+    length = float(np.linalg.norm(points[0]))
+    found = IsotropyGrade().of(
+        Grasp(robot("barrett", "gantry"), 0.5, length, points.astype(float), -points.astype(float))
+    )
     assert found["index"]["value"] == pytest.approx(index)
     assert bool(found["index"]["reason"]) is (index == 0.0)
 

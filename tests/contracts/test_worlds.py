@@ -16,7 +16,7 @@ from graspdsl.worlds.bullet.kind import Bullet
 from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.kind import TrialStudio, View, WorldKind, WorldSettings
 from graspdsl.worlds.kinds import WORLDS
-from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WitnessedWorld
+from graspdsl.worlds.protocol import PARTIES, Command, Observation, Start, Truth, WitnessedWorld
 
 from .breaking import broken
 from .each import each_rule
@@ -118,6 +118,12 @@ class Mistaken(GlidingWorld):
         return replace(found, points=found.points + 1e-3)
 
 
+class HalfTold(GlidingWorld):
+    def truth(self) -> Truth:
+        found = super().truth()
+        return replace(found, loads=np.where(np.arange(6) < 3, 0.0, found.loads))
+
+
 class Choosy(GlidingWorld):
     def reset(self, start: Start, seed: int) -> Observation:
         if start.position[2] < 0.0:
@@ -160,6 +166,21 @@ class Unseen(Gliding):
         return Dark()
 
 
+class Unborne(Bullet):
+    """Rigid bodies on a table that is said to bear nothing."""
+
+    def make(self, settings: WorldSettings) -> WitnessedWorld:
+        made = super().make(settings)
+        told = made.truth
+
+        def truth() -> Truth:
+            found = told()
+            return replace(found, loads=np.where(np.array(PARTIES)[:, None] == "table", 0.0, found.loads))
+
+        made.truth = truth
+        return made
+
+
 class Long(Bullet):
     """Rigid bodies whose Jacobians are too long."""
 
@@ -191,6 +212,7 @@ MUTANTS = [
     ("jacobian", Long()),
     ("refuses", gliding(Obedient)),
     ("agrees", gliding(Mistaken)),
+    ("balance", gliding(HalfTold)),
     ("infeasible", gliding(Choosy)),
     ("closing", gliding(Spent)),
     ("side-by-side", Beside()),
@@ -203,6 +225,12 @@ MUTANTS = [
 def test_a_rule_is_seen_to_be_broken(mutant: tuple[str, WorldKind]) -> None:
     code, kind, *others = mutant
     assert broken(RULES, kind) == {f"contract-{name}" for name in (code, *others)}
+
+
+@pytest.mark.slow
+def test_a_table_that_is_left_out_is_missed() -> None:
+    [breach] = RULES["contract-balance"](Unborne())
+    assert breach.message == "Unborne: what acts on an object at rest does not cancel"
 
 
 def test_every_rule_is() -> None:

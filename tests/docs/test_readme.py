@@ -26,8 +26,9 @@ def blocks(kind: str) -> list[tuple[str, str]]:
 
 
 def test_every_block_is_checked() -> None:
-    """A block is a command, or it is marked with what it must equal."""
+    """A block is a command, or it is marked with what it must equal; what is printed is of a command that is there."""
     assert all(mark or language == "sh" for mark, _, language, _ in BLOCKS)
+    assert {command for command, _ in blocks("printed")} <= set(COMMANDS)
     assert len(BLOCKS) >= 6
 
 
@@ -41,16 +42,13 @@ def shell_blocks() -> list[list[str]]:
     return [commands for commands in found if commands]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("commands", shell_blocks(), ids=lambda commands: commands[0])
-def test_commands_run(commands: list[str], tmp_path: Path) -> None:
-    """The graspdsl commands run as they stand; runs go to a folder of their own."""
+def printed(command: str, place: Path) -> str:
+    """What one of the README's commands prints, run in a folder."""
+    words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)[1:]]
     program = Path(sys.executable).with_name("graspdsl")
-    for command in commands:
-        words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)]
-        done = subprocess.run([program, *words[1:]], cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        assert done.stdout
+    done = subprocess.run([program, *words], cwd=place, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def _alike(line: str) -> str:
@@ -62,15 +60,21 @@ def _alike(line: str) -> str:
     return re.sub(r"-?\d[\d.]*", "1", " ".join(re.sub(rf"^({ending}) ", "outcome ", line).split()))
 
 
+def check_shown(command: str, output: str) -> None:
+    """The lines of each block that shows a command's output are lines that it prints, in their order."""
+    for text in (text for shown, text in blocks("printed") if shown == command):
+        lines = iter(map(_alike, output.splitlines()))
+        assert all(_alike(line) in lines for line in text.splitlines())
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("command", "text"), blocks("printed"))
-def test_what_is_printed_is_real(command: str, text: str, tmp_path: Path) -> None:
-    """The lines of a block that shows a command's output are lines that it prints, in their order."""
-    words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)[1:]]
-    program = Path(sys.executable).with_name("graspdsl")
-    done = subprocess.run([program, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
-    printed = iter(map(_alike, done.stdout.splitlines()))
-    assert all(_alike(line) in printed for line in text.splitlines())
+@pytest.mark.parametrize("commands", shell_blocks(), ids=lambda commands: commands[0])
+def test_commands_run(commands: list[str], tmp_path: Path) -> None:
+    """The graspdsl commands run as they stand, and print what is shown; runs go to a folder of their own."""
+    for command in commands:
+        output = printed(command, tmp_path)
+        assert output
+        check_shown(command, output)
 
 
 def test_make_knows_the_targets() -> None:

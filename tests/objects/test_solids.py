@@ -46,6 +46,16 @@ def test_textbook_shapes(shape: Sphere | Box | Cylinder | Ellipsoid, volume: flo
     np.testing.assert_array_equal(solid.centre, 0.0)
 
 
+@EACH_SHAPE
+def test_the_radius_of_gyration_is_that_about_an_axis_on_average(name: str) -> None:
+    """In the mean square over any three axes at right angles; of a ball √(2/5) r."""
+    solid = SHAPES[name].solid
+    turn = Rotation.random(random_state=7).as_matrix()
+    about = np.einsum("ia,ij,ja->a", turn, solid.inertia(MASS), turn) / MASS
+    assert solid.radius_of_gyration == pytest.approx(np.sqrt(about.mean()), rel=1e-12)
+    assert Sphere(diameter=0.2).solid.radius_of_gyration == pytest.approx(0.1 * np.sqrt(2 / 5), rel=1e-12)
+
+
 def test_a_superquadric_of_exponent_two_is_an_ellipsoid() -> None:
     size = (0.10, 0.12, 0.16)
     one, other = Superquadric(size=size, exponent=2.0).solid, Ellipsoid(size=size).solid

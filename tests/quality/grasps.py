@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
+from graspdsl.quality.contact_models import FrictionlessPoint
+from graspdsl.quality.wrench_space import WrenchSpace
 
 Contacts = tuple[Array, Array]
 
@@ -38,6 +40,12 @@ def one_sided() -> Contacts:
     """Three contacts that all push down."""
     points, _ = ring()
     return points, np.tile([0.0, 0.0, -1.0], (3, 1))
+
+
+def raw(wrenches: Array) -> WrenchSpace:
+    """A space of these primitive wrenches (m, 6), as if each were what a contact pushes with."""
+    basis = np.stack([wrenches, *[np.zeros_like(wrenches)] * 3], axis=1)
+    return WrenchSpace(basis, FrictionlessPoint(), np.zeros(3), 1.0)
 
 
 def random_contacts(seed: int, count: int) -> Contacts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from graspdsl.arrays import Array
 from graspdsl.quality.contact_models import ContactModel, FrictionlessPoint, HardPoint, SoftFinger
 from graspdsl.quality.ferrari_canny import ferrari_canny
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
-from quality.grasps import Contacts, antipodal, coupled, one_sided, random_contacts, ring, rotations
+from quality.grasps import Contacts, antipodal, coupled, one_sided, random_contacts, raw, ring, rotations
 
 
 def _value(space: WrenchSpace) -> float:
@@ -24,30 +25,26 @@ def _value(space: WrenchSpace) -> float:
     return value
 
 
-def _of(wrenches: Array) -> WrenchSpace:
-    return WrenchSpace(wrenches, np.zeros(3), 1.0, "")
-
-
 # Closed forms
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.01])
 def test_a_cross_polytope(scale: float) -> None:
-    found = ferrari_canny(_of(scale * np.vstack([np.eye(6), -np.eye(6)])))
+    found = ferrari_canny(raw(scale * np.vstack([np.eye(6), -np.eye(6)])))
     assert found.epsilon.value == pytest.approx(scale / math.sqrt(6.0))
     assert found.volume.value == pytest.approx((2.0 * scale) ** 6 / math.factorial(6))
 
 
 def test_a_flat_cross_polytope_loses_no_digits() -> None:
     half_axes = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1e-6])
-    found = ferrari_canny(_of(np.vstack([np.diag(half_axes), -np.diag(half_axes)])))
+    found = ferrari_canny(raw(np.vstack([np.diag(half_axes), -np.diag(half_axes)])))
     assert found.epsilon.value == pytest.approx(1.0 / math.sqrt((half_axes**-2.0).sum()), rel=1e-9)
     assert found.volume.value == pytest.approx(2.0**6 * 1e-6 / math.factorial(6), rel=1e-9)
 
 
 def test_a_cube() -> None:
     corners = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 6), axis=-1).reshape(-1, 6)
-    found = ferrari_canny(_of(corners))
+    found = ferrari_canny(raw(corners))
     assert found.epsilon.value == pytest.approx(1.0)
     assert found.volume.value == pytest.approx(2.0**6)
 
@@ -115,6 +112,92 @@ def test_epsilon_is_the_least_support(contacts: Contacts, model: ContactModel) -
     epsilon = _value(space)
     assert epsilon > 0.0
     assert _least_support(space.wrenches, 3) == pytest.approx(epsilon, abs=1e-3)
+
+
+# What pyramids leave out
+
+
+def _least_reach(space: WrenchSpace, seed: int) -> float:
+    """min over unit d of h(d) with round cones, as above: without a hull."""
+    random = np.random.default_rng(seed)
+    directions = random.normal(size=(100_000, 6))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    reaches = space.support(directions)
+    least = math.inf
+    for direction in directions[np.argsort(reaches)[:30]]:
+        answer = minimize(
+            lambda x: x[6],
+            np.append(direction, space.support(direction[None])[0]),
+            constraints=[
+                {"type": "ineq", "fun": lambda x: x[6] - space.model.support(space.basis @ x[:6])},
+                {"type": "eq", "fun": lambda x: x[:6] @ x[:6] - 1.0},
+            ],
+            method="SLSQP",
+        )
+        found = answer.x[:6] / np.linalg.norm(answer.x[:6])
+        least = min(least, float(space.support(found[None])[0]))
+    return least
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("contacts", "model"),
+    [
+        (ring(), HardPoint(0.5, 8)),
+        (random_contacts(4, 4), HardPoint(0.6, 8)),
+        (antipodal(turned=0.2), SoftFinger(0.5, 0.03, 8)),
+    ],
+)
+def test_the_epsilon_of_round_cones_is_between_that_of_pyramids_and_the_bound(
+    contacts: Contacts, model: HardPoint | SoftFinger
+) -> None:
+    """Pyramids of n edges hold cones of μ cos(π/n), and no more than is said is left out."""
+    space = wrench_space(*contacts, model)
+    found, whole = ferrari_canny(space), _least_reach(space, 3)
+    assert found.epsilon.value is not None
+    assert found.shortfall.value is not None
+    assert found.epsilon.value <= whole <= found.epsilon.value / (1.0 - found.shortfall.value) * (1.0 + 1e-6)
+    assert 0.0 < found.shortfall.value < 0.35
+    held = replace(model, friction=model.friction * math.cos(math.pi / model.edges))
+    assert _least_reach(replace(space, model=held), 3) <= found.epsilon.value * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("torsion", [0.001, 0.05])
+@pytest.mark.parametrize("edges", [4, 8, 16])
+def test_the_bound_of_two_antipodal_soft_contacts(torsion: float, edges: int) -> None:
+    """Where torsion decides nothing is left out; where friction does, what a circle has beyond its polygon."""
+    found = ferrari_canny(wrench_space(*antipodal(0.05), SoftFinger(0.5, torsion, edges), length=0.05))
+    whole = min(torsion / 0.05, 0.5 / math.sqrt(2.25))
+    assert found.epsilon.value is not None
+    assert found.shortfall.value is not None
+    assert found.epsilon.value <= whole * (1.0 + 1e-9)
+    assert found.epsilon.value / (1.0 - found.shortfall.value) >= whole * (1.0 - 1e-9)
+    assert (found.shortfall.value < 1e-9) == (torsion == 0.001)
+
+
+@pytest.mark.parametrize("scale", [0.01, 7.0])
+@pytest.mark.parametrize("seed", [4, 9])
+def test_object_torque_scale_and_torsion_in_another_unit_change_nothing(seed: int, scale: float) -> None:
+    points, normals = random_contacts(seed, 4)
+    one, other = (
+        ferrari_canny(
+            wrench_space(by * points, normals, SoftFinger(0.5, by * 0.002, 4), reference=np.zeros(3), length=by * 0.04)
+        )
+        for by in (1.0, scale)
+    )
+    for name in ("epsilon", "shortfall", "volume"):
+        assert getattr(one, name).value == pytest.approx(getattr(other, name).value, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [15, 16, 19, 21])
+def test_a_hull_that_rounding_has_confused_is_not_flat(seed: int) -> None:
+    """Many edges of two soft fingers lie on one facet, but for rounding."""
+    eight, sixteen = (wrench_space(*random_contacts(seed, 2), SoftFinger(0.4, 1e-4, edges)) for edges in (8, 16))
+    less, more = ferrari_canny(eight).volume, ferrari_canny(sixteen).volume
+    assert less.value is not None
+    assert more.value is not None
+    assert 0.0 < less.value < more.value < 1.2 * less.value  # with all of the cones 1.23 times as large, (π / 2√2)²
+    assert (less.reason, more.reason) == ("", "")
 
 
 # No closure

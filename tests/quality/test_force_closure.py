@@ -14,7 +14,7 @@ from graspdsl.arrays import Array
 from graspdsl.quality.contact_models import ContactModel, FrictionlessPoint, HardPoint, SoftFinger
 from graspdsl.quality.force_closure import force_closure
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
-from quality.grasps import Contacts, antipodal, coupled, one_sided, random_contacts, ring, rotations
+from quality.grasps import Contacts, antipodal, coupled, one_sided, random_contacts, raw, ring, rotations
 
 SOFT = SoftFinger(0.5, 0.002)
 
@@ -56,14 +56,14 @@ def test_not_closed_and_why(contacts: Contacts, model: ContactModel, reason: str
 def test_an_origin_on_the_boundary_is_not_closure() -> None:
     """A right-angled simplex with a corner at the origin, drawn as wrenches that balance only without one of them."""
     wrenches = np.vstack([np.eye(6), -np.eye(6)[:5]])
-    found = force_closure(WrenchSpace(wrenches, np.zeros(3), 1.0, ""))
+    found = force_closure(raw(wrenches))
     assert not found.closed
     assert found.reason.startswith("no wrench to spare")
 
 
 def test_margin_of_an_even_balance_is_one() -> None:
     wrenches = np.vstack([np.eye(6), -np.eye(6)])
-    assert force_closure(WrenchSpace(wrenches, np.zeros(3), 1.0, "")).margin == pytest.approx(1.0)
+    assert force_closure(raw(wrenches)).margin == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("friction", [0.2, 0.5, 1.0])

@@ -68,7 +68,7 @@ def test_an_added_grade_is_listed_run_and_told() -> None:
     found = numbers["quality"]["spread_out"]
     assert (found["wide"], found["of"], found["share"], found["reasons"]) == (3, 3, 1.0, {})
     spans = [record["quality"]["spread-out"]["span"]["value"] for record in numbers["records"]]
-    assert found["span"] == {"median": pytest.approx(np.median(spans)), "of": 3}
+    assert found["span"] == {"median": pytest.approx(np.median(spans)), "of": 3, "range": [min(spans), max(spans)]}
     assert numbers["quality"]["confusion"]["outcomes"]["converged"]["spread_out"] == 3
     console = " ".join(said("report", "run").split())
     assert "force closure spread out" in console
@@ -86,6 +86,6 @@ def test_an_added_grade_is_checked(tmp_path: Path) -> None:
     answer = CliRunner().invoke(app, ["validate", str(spec), "--json"])
     [fault] = json.loads(answer.stdout)["files"][0]["diagnostics"]
     assert fault["code"] == "unknown-value"
-    known = "force-closure, ferrari-canny, lift, shake or spread-out"
+    known = "force-closure, ferrari-canny, grasp-matrix, lift, shake or spread-out"
     assert fault["message"] == f"expected {known}, found the text 'spread-in'"
     assert fault["hint"] == "did you mean spread-out?"

@@ -77,7 +77,7 @@ def test_reference_and_length_by_default() -> None:
     space = wrench_space(points + 1.0, normals, HardPoint(0.5))
     np.testing.assert_allclose(space.reference, 1.0)
     assert space.length == pytest.approx(0.05)
-    assert space.model == "hard point contact, μ = 0.5"
+    assert space.model.name == "hard point contact, μ = 0.5"
     assert wrench_space(points[:1], normals[:1], HardPoint(0.5)).length == 1.0
 
 

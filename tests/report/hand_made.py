@@ -12,31 +12,33 @@ import numpy as np
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.report.evidence import Evidence, ResidualCourse
-from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder
 
 SPECS = Path(__file__).parents[2] / "specs" / "experiments"
-FALL = (1.0, 0.0)
 
 
 @dataclass(frozen=True)
 class HandMade:
-    """A trial: orientations [rad], residuals at the end, ticks to converge, courses of the residuals, contact."""
+    """A trial: orientations [rad], residuals at the end, ticks to converge, courses of the residuals (from 1 to their
+    end, if not given), contact at the end, whether a finger is on the top, and whether a monitor stopped it."""
 
-    end: float = math.pi / 2
+    end: float = 1.56
     start: float = 1.0
     force: float = 0.02
     moment: float = 0.002  # m
     ticks: int | None = 200
-    forces: Sequence[float] = FALL
-    moments: Sequence[float] = FALL
+    forces: Sequence[float] = ()
+    moments: Sequence[float] = ()
     touching: bool = True
+    on_top: bool = False
+    stopped: bool = False
 
 
-def evidence(experiment: int, trials: Sequence[HandMade]) -> Evidence:
+def evidence(experiment: int, trials: Sequence[HandMade], *overrides: str) -> Evidence:
     """A run of an experiment of the chapter, by its number, with these trials."""
-    program = _program(experiment)
+    program = _program(experiment, overrides)
     manifest = Manifest("by-hand", "spec.yaml", (), 1, len(trials), {"graspdsl": "0"})
     records = tuple(_record(number, trial) for number, trial in enumerate(trials))
     courses = {number: _course(trial) for number, trial in enumerate(trials)}
@@ -44,14 +46,20 @@ def evidence(experiment: int, trials: Sequence[HandMade]) -> Evidence:
 
 
 @cache
-def _program(experiment: int) -> Program:
+def _program(experiment: int, overrides: tuple[str, ...]) -> Program:
     [spec] = SPECS.glob(f"{experiment}_*.yaml")
-    return program_of(spec.read_text("utf-8"), spec.name)
+    return program_of(spec.read_text("utf-8"), spec.name, overrides)
 
 
 def _course(trial: HandMade) -> ResidualCourse:
-    force, moment = np.array(trial.forces, dtype=float), np.array(trial.moments, dtype=float)
-    return ResidualCourse(np.arange(len(force)) / 50.0, force, moment, trial.touching)
+    force, moment = np.array(trial.forces or (1.0, trial.force)), np.array(trial.moments or (1.0, trial.moment))
+    return ResidualCourse(np.arange(len(force)) / 50.0, force, moment, trial.touching, trial.on_top)
+
+
+def _outcome(trial: HandMade) -> Outcome:
+    if trial.stopped:
+        return OUTCOMES["palm-collision"]
+    return Outcome.TIMEOUT if trial.ticks is None else Outcome.CONVERGED
 
 
 def _record(number: int, trial: HandMade) -> TrialRecord:
@@ -59,7 +67,7 @@ def _record(number: int, trial: HandMade) -> TrialRecord:
     made = {
         "number": number,
         "identity": "x",
-        "outcome": Outcome.TIMEOUT if trial.ticks is None else Outcome.CONVERGED,
+        "outcome": _outcome(trial),
         "detail": "",
         "start": {},
         "rejected": (),
@@ -68,10 +76,9 @@ def _record(number: int, trial: HandMade) -> TrialRecord:
         "force_residual_end": trial.force,
         "moment_residual_end": trial.moment,
         "contact_forces": (0.5, 0.5, 0.5),
-        "ticks": len(trial.forces),
+        "ticks": max(1, len(trial.forces) - 1),
         "ticks_to_converge": trial.ticks,
-        "samples": len(trial.forces),
-        "leaking_ticks": 0,
+        "samples": max(2, len(trial.forces)),
         "point_error": (math.nan, math.nan),
         "normal_error": (math.nan, math.nan),
         "world_s": 1.0,

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from graspdsl.compiler.program import Program, program_of
-from graspdsl.report.claims import EXPERIMENTS
 from graspdsl.report.experiment_setups import SETUPS, departure
+from graspdsl.report.points import EXPERIMENTS
 
 SPECS = {path.stem[0]: path for path in (Path(__file__).parents[2] / "specs" / "experiments").glob("*.yaml")}
 
@@ -53,6 +53,7 @@ def test_what_resources_are_called_and_their_order_do_not_matter() -> None:
         ("1", "scene.hand=trio", "its hand is trio, not barrett"),
         ("2", "trials.start.approach=side", "the hand comes from the side, not from the top"),
         ("1", "control.displacement=probing", "by probing"),
+        ("1", "scene.gravity=0", "nothing in it has weight"),
         ("1", 'trials.grid=[{"parameter": "roll", "low": 0, "high": 1, "cells": 3}]', "on a grid"),
         ("1", 'resources.Γ="{γ1, γ2, γ3}"', "acts on {finger-1, finger-2, finger-3}"),
         ("1", 'program=[{run: "π_close|Γ Γ", until: {contact: all}}]', "1 formulas, not 2"),
@@ -62,6 +63,7 @@ def test_what_resources_are_called_and_their_order_do_not_matter() -> None:
 def test_other_programs_of_its_name_are_not(number: str, override: str, said: str) -> None:
     needed = {
         "scene.hand=trio": tuple(f"resources.γ{n}=digit-{n}" for n in (1, 2, 3)),
+        "scene.gravity=0": ("evaluate=[]",),
         "program.1.run=π_close|Γ Γ": ("program.1.until={contact: all}",),
     }
     overrides = (override, *needed.get(override, ()))

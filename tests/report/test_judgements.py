@@ -7,7 +7,7 @@ import math
 import pytest
 from scipy import stats
 
-from graspdsl.report.judgements import Judgement, Verdict, every, judged_near, judged_share, judged_value
+from graspdsl.report.judgements import Judgement, Verdict, every, judged_share, judged_value
 
 AGREES, DIFFERS, UNTOLD = Verdict.AGREES, Verdict.DIFFERS, Verdict.UNTOLD
 
@@ -43,13 +43,6 @@ def test_of_no_trials_at_all_all_would_have_to_agree() -> None:
     assert needed is not None
     assert judged_share(needed, needed, 0.8).verdict is AGREES
     assert judged_share(needed - 1, needed - 1, 0.8).verdict is UNTOLD
-
-
-def test_near_is_where_the_number_is() -> None:
-    assert judged_near(1.0, (0.5, 1.5), 9, 0.9, 1.1).verdict is AGREES
-    assert judged_near(1.2, (0.5, 1.5), 9, 0.9, 1.1).verdict is UNTOLD
-    assert judged_near(1.2, (1.15, 1.5), 9, 0.9, 1.1).verdict is DIFFERS
-    assert judged_near(1.0, None, 3, 0.9, 1.1).verdict is UNTOLD
 
 
 def test_the_largest_run_decides_among_what_cannot_be_told() -> None:

@@ -190,7 +190,7 @@ def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: E
     assert "1 trial (nothing was recorded of the end, or its trajectory cannot be read)" in text
     found = figures.drawn_funnel(evidence, summarised(evidence))
     assert found is not None
-    assert "after it, 6 trials" in found.svg
+    assert "settled after it, 6 trials" in found.svg
 
 
 def test_a_run_on_a_grid_shows_its_map(tmp_path: Path) -> None:
@@ -232,30 +232,36 @@ def test_a_picture_of_a_trial_for_each_outcome(floating: Evidence) -> None:
 
 
 def test_claims_are_shown_with_what_was_measured(floating: Evidence) -> None:
-    row = Claim("experiment-1", "<1> one mode", "90 %", "two", Verdict.DIFFERS, why="friction")
-    others = [dataclasses.replace(row, verdict=verdict) for verdict in (Verdict.AGREES, Verdict.UNTOLD)]
-    text = read(page(floating, claims=[row, *others])).text
-    assert "<1> one mode 90 % two ✗ differs friction" in re.sub(r"(?<=[>a-z%])(?=90|two|✗|friction)", " ", text)
-    assert all(mark in text and mark not in page(floating) for mark in ("✓ agrees", "? cannot be told"))
+    said = ("<1> one mode", "Fig. 1", "all", "90 %", "so", "two")
+    row = Claim("experiment-1", *said, Verdict.DIFFERS, None, "friction", "slippery")
+    text = read(page(floating, claims=[dataclasses.replace(row, verdict=verdict) for verdict in Verdict])).text
+    cells = (said[0], said[2], said[3], said[5], Verdict.DIFFERS.mark, "friction")
+    assert re.search(r"\s*".join(map(re.escape, cells)), text)
+    assert all(verdict.mark in text and verdict.mark not in page(floating) for verdict in Verdict)
 
 
 def test_quality_is_shown_side_by_side(floating: Evidence) -> None:
     """Of the first grasps all are graded: some have closure, some were dropped, for a reason that users may write."""
-    good = {"closed": True, "margin": 0.1, "reason": ""}
-    bad = {"closed": False, "margin": None, "reason": "<no contact>"}
-    kept, dropped = {"kept": True, "reason": ""}, {"kept": False, "reason": "slipped"}
+    good = {"closed": True, "margin": {"value": 0.1, "reason": ""}, "reason": ""}
+    bad = {"closed": False, "margin": {"value": None, "reason": ""}, "reason": "<no contact>"}
+    kept, dropped = (
+        {"kept": not reason, "reason": reason, "borne": {"value": None if reason else 1.0, "reason": reason}}
+        for reason in ("", "slipped")
+    )
     grades = [(good, kept), (good, dropped), (good, kept), (bad, dropped)]
     records = tuple(
         dataclasses.replace(record, quality={"force-closure": closure, "lift": lift})
         for record, (closure, lift) in zip(floating.records, grades, strict=False)
     )
     counted = quality(records)
-    verdicts, together, by_outcome = quality_tables(counted)
+    verdicts, margins, borne, together, by_outcome = quality_tables(counted)
+    assert [[cell.text for cell in row] for row in margins.cells()] == [["margin", "0.1", "0.1 … 0.1", "3"]]
     assert [[cell.text for cell in row][:3] for row in verdicts.cells()] == [
         ["force closure", "3", "4"],
         ["lift", "2", "4"],
     ]
     assert [row[-1].text for row in verdicts.cells()] == ["<no contact> (1)", "slipped (2)"]
+    assert [cell.text for cell in borne.cells()[0]] == ["weight borne by the contacts when lifted", "1", "1 … 1", "2"]
     assert sum(int(row[-1].text) for row in together.cells()) == 4
     assert {row[1].text + row[2].text for row in together.cells()} == {"yesyes", "yesno", "nono"}
     assert sum(int(row[1].text) for row in by_outcome.cells()) == 4

@@ -41,7 +41,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of a run, some of whose trials do not converge, with scripts where texts should be."""
     settings = ("trials.count=12", "program.0.limit=1.1", f"about={SAID}", f"scene.object.name={SAID}")
     folder = stored_run(tmp_path_factory.mktemp("page") / "run", SPEC, *settings)
-    claim = Claim("one", "x " * 60, "b", "y", Verdict.AGREES, why="z " * 60)
+    long = "x " * 60
+    claim = Claim("one", long, "s", long, "b", long, long, Verdict.UNTOLD, None, long, long)
     evidence = evidence_of(folder)
     return write_report(evidence, summarised(evidence), claims=[claim])
 

@@ -7,8 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import pytest
+from quality.grasps import antipodal, ring
 
+from graspdsl.hands.descriptions import robot
+from graspdsl.quality.ferrari_canny import FerrariCannyGrade
+from graspdsl.quality.force_closure import ForceClosureGrade
+from graspdsl.quality.grade import Grasp
+from graspdsl.quality.grasp_matrix import GraspMatrixGrade
 from graspdsl.report.quality import quality as quality_of
+from graspdsl.report.run_tables import brief_quality_table, judged_by, quality_tables
 from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import plain
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
@@ -20,18 +27,24 @@ def _record(outcome: Outcome, grades: dict[str, dict[str, Any]]) -> TrialRecord:
     return TrialRecord(**{**unknown, "outcome": outcome, "quality": grades})
 
 
+def _lifted(kept: bool) -> dict[str, Any]:
+    reason = "" if kept else "slipped"
+    return {"kept": kept, "reason": reason, "borne": {"value": 1.0 if kept else None, "reason": reason}}
+
+
 def _graded(outcome: Outcome, closed: bool, epsilon: float | None, lifted: bool, shaken: bool) -> TrialRecord:
     why = "" if closed else "wrenches span 5 of 6 dimensions"
     return _record(
         outcome,
         {
-            "force-closure": {"closed": closed, "reason": why},
+            "force-closure": {"closed": closed, "margin": {"value": None, "reason": why}, "reason": why},
             "ferrari-canny": {
                 "epsilon": {"value": epsilon, "reason": why},
+                "shortfall": {"value": None, "reason": why},
                 "volume": {"value": epsilon, "reason": why},
             },
-            "lift": {"kept": lifted, "reason": "" if lifted else "slipped"},
-            "shake": {"kept": shaken, "reason": "" if shaken else "slipped"},
+            "lift": _lifted(lifted),
+            "shake": _lifted(shaken),
         },
     )
 
@@ -61,8 +74,10 @@ def test_shares_medians_and_reasons() -> None:
     assert (closure["closed"], closure["of"], closure["share"]) == (3, 5, 0.6)
     assert closure["interval"] == list(wilson(3, 5))
     assert closure["reasons"] == {"wrenches span 5 of 6 dimensions": 2}
-    assert found["ferrari_canny"]["epsilon"] == {"median": pytest.approx(0.15), "of": 4}
+    assert found["ferrari_canny"]["epsilon"] == {"median": pytest.approx(0.15), "of": 4, "range": [0.0, 0.4]}
+    assert found["ferrari_canny"]["shortfall"] == {"median": None, "of": 0, "range": None}
     assert (found["lift"]["kept"], found["lift"]["of"], found["lift"]["reasons"]) == (4, 5, {"slipped": 1})
+    assert found["lift"]["borne"] == {"median": 1.0, "of": 4, "range": [1.0, 1.0]}
     assert (found["shake"]["kept"], found["shake"]["interval"]) == (2, list(wilson(2, 5)))
 
 
@@ -88,6 +103,30 @@ def test_trials_that_never_began_are_not_counted() -> None:
 
 
 def test_one_grade_alone() -> None:
-    found = quality([_record(Outcome.CONVERGED, {"lift": {"kept": True, "reason": ""}})])
+    found = quality([_record(Outcome.CONVERGED, {"lift": _lifted(True)})])
     assert set(found) == {"lift", "confusion"}
     assert found["confusion"]["of"] == 0
+
+
+def test_conventions_are_told_once_for_all_grasps() -> None:
+    """From records as a trial makes them, of two contacts and of three, and of a trial without any."""
+    robot_, grades = robot("barrett", "gantry"), (ForceClosureGrade(), FerrariCannyGrade(), GraspMatrixGrade())
+    grasps = [Grasp(robot_, 0.4, 0.041, *contacts) for contacts in (antipodal(), ring(), ring(4))]
+    grasps.append(Grasp(robot_, 0.4, 0.041, missing="no contacts"))
+    records = [_record(Outcome.CONVERGED, {grade.name: grade.of(grasp) for grade in grades}) for grasp in grasps]
+    soft, hard = "soft finger contact, μ = 0.4, μ_t = 0.652 mm", "hard point contact, μ = 0.4"
+    assert quality(records)["conventions"] == {
+        "torque_scale": 0.041,
+        "scale": "the object's radius of gyration",
+        "edges": 16,
+        "models": {hard: 2, soft: 1},
+    }
+    told = judged_by(quality_of(records).conventions)
+    assert told == (
+        "Moments are over a torque scale of 41 mm, the object's radius of gyration, for all grasps. "
+        f"Contacts: {hard} (2 grasps); {soft} (1 grasp); 16 edges to a friction cone."
+    )
+    [table, *others] = quality_tables(quality_of(records))
+    assert told in table.note
+    assert not any(told in other.note for other in others)
+    assert brief_quality_table(quality_of(records)).note.endswith(told.removesuffix("."))

@@ -19,7 +19,7 @@ from graspdsl.trials.record import RejectedStart, TrialRecord
 
 def record(number: int, start: dict[str, float], rejected: tuple[RejectedStart, ...] = ()) -> TrialRecord:
     nothing = {name: math.nan for name, kind in TrialRecord.__annotations__.items() if kind == "float"}
-    counts = {"ticks": 0, "ticks_to_converge": None, "samples": 0, "leaking_ticks": 0, "world_s": 0.0}
+    counts = {"ticks": 0, "ticks_to_converge": None, "samples": 0, "world_s": 0.0}
     none = (math.nan, math.nan)
     return TrialRecord(
         **{**nothing, **counts, "number": number, "identity": "", "outcome": Outcome.TIMEOUT, "detail": ""},

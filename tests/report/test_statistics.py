@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from graspdsl.report.statistics import LEAST_BANDWIDTH, RIGHT_ANGLE, bandwidth, density, modes, wilson
+from graspdsl.report.statistics import LEAST_BANDWIDTH, RIGHT_ANGLE, bandwidth, density, wilson
 
 angles = st.lists(st.floats(0.0, RIGHT_ANGLE), min_size=1, max_size=60).map(np.array)
 
@@ -56,54 +56,3 @@ def test_density_is_the_sum_of_reflected_kernels(values: np.ndarray, width: floa
     images = [(v, -v, math.pi - v, v + math.pi, v - math.pi) for v in some]
     expected = [sum(stats.norm.pdf(a, c, width) for centres in images for c in centres) / len(some) for a in at]
     assert density(some, at, width) == pytest.approx(expected)
-
-
-@given(angles)
-def test_every_value_is_in_one_mode(values: np.ndarray) -> None:
-    found = modes(values)
-    assert sorted(member for mode in found for member in mode.members) == list(range(len(values)))
-    assert [len(mode.members) for mode in found] == sorted((len(mode.members) for mode in found), reverse=True)
-    for mode in found:
-        assert 0.0 <= mode.low <= mode.centre <= mode.high <= RIGHT_ANGLE
-        for member in mode.members:
-            assert mode.low <= values[member] <= mode.high
-
-
-def test_no_values_have_no_modes() -> None:
-    assert modes(np.zeros(0)) == []
-
-
-def test_two_clusters_are_two_modes() -> None:
-    random = np.random.default_rng(2)
-    values = np.concatenate([random.normal(0.4, 0.05, 20), random.normal(1.3, 0.05, 40)])
-    order = random.permutation(60)
-    large, small = modes(values[order])
-    assert set(large.members) == set(np.flatnonzero(order >= 20))
-    assert set(small.members) == set(np.flatnonzero(order < 20))
-    assert large.centre == pytest.approx(1.3, abs=0.05)
-    assert small.centre == pytest.approx(0.4, abs=0.05)
-    assert 0.6 < large.low == small.high < 1.1
-    assert (small.low, large.high) == (0.0, RIGHT_ANGLE)
-
-
-@pytest.mark.parametrize("bound", [0.0, RIGHT_ANGLE])
-def test_a_cluster_at_a_bound_is_one_mode_there(bound: float) -> None:
-    values = np.abs(bound - np.abs(np.random.default_rng(3).normal(0.0, 0.02, 50)))
-    (mode,) = modes(values)
-    assert mode.centre == pytest.approx(bound, abs=0.02)
-    assert len(mode.members) == 50
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [1, 2, 3, 30])
-def test_equal_values_are_one_mode(count: int) -> None:
-    """Wherever they lie: half-way between two points of the grid the density has two equal heights and no one peak."""
-    for value in np.linspace(0.0, RIGHT_ANGLE, 2049):
-        (mode,) = modes(np.full(count, value))
-        assert mode.centre == pytest.approx(value, abs=LEAST_BANDWIDTH)  # a bound draws a peak nearby to it
-        assert mode.members == tuple(range(count))
-
-
-def test_uniform_values_rarely_fall_apart() -> None:
-    counts = [len(modes(np.random.default_rng(seed).uniform(0.0, RIGHT_ANGLE, 60))) for seed in range(200)]
-    assert sum(count > 3 for count in counts) <= 10

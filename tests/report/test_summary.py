@@ -16,6 +16,7 @@ from graspdsl.arrays import Float32Array
 from graspdsl.cli.tables import summary_text
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import notes
+from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import plain, repeating, summarised
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
@@ -44,7 +45,6 @@ def _record(number: int, **values: Any) -> TrialRecord:
         "ticks": 10,
         "ticks_to_converge": None,
         "samples": 11,
-        "leaking_ticks": 0,
         "point_error": (math.nan, math.nan),
         "normal_error": (math.nan, math.nan),
         "world_s": 1.0,
@@ -113,6 +113,20 @@ def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> 
     assert [mode["trials"] for mode in numbers["modes"]] == [[0, 1]]
     assert numbers["residuals"]["force"]["end_in_contact"] == 0.03
     assert numbers["residuals"]["force"]["squared"]["end_in_contact"] == pytest.approx(0.03**2)
+
+
+def test_trials_that_a_monitor_stopped_are_in_no_mode(build: Build) -> None:
+    stopped = [
+        _record(number, outcome=OUTCOMES["palm-collision"], orientation_end=0.4, force_residual_end=0.9)
+        for number in (1, 4, 5)
+    ]
+    lost = _record(6, outcome=OUTCOMES["contact-lost"], orientation_end=0.3)
+    late = _record(7, outcome=Outcome.TIMEOUT, orientation_end=1.5, force_residual_end=0.03)
+    settled = [_record(number, orientation_end=1.5, force_residual_end=0.03) for number in (0, 2, 3)]
+    numbers = _numbers(build(*settled, *stopped, lost, late, asked=8))
+    assert [(mode["trials"], mode["share"], mode["of"]) for mode in numbers["modes"]] == [([0, 2, 3, 7], 1.0, 4)]
+    assert numbers["modes"][0]["force_residual"] == 0.03
+    assert numbers["stopped"] == {"share": 3 / 7, "of": 7, "interval": list(wilson(3, 7)), "trials": [1, 4, 5]}
 
 
 def test_records_stand_by_number_whatever_the_order_they_came_in(build: Build) -> None:

@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from graspdsl.cli.tables import laid_out, text_of
-from graspdsl.report.summary import At, Medians, ModeSummary, Summary
+from graspdsl.report.summary import At, Medians, ModeSummary, Stopped, Summary
 from graspdsl.report.tables import COUNT, INTERVAL, MILLIMETRES, SHARE, Column, Table, Value, fixed, squared
 from graspdsl.report.templating import rendered
 
@@ -70,7 +70,7 @@ def parts(kind: Any) -> Iterator[Any]:
         yield from parts(part)
 
 
-@pytest.mark.parametrize("model", [Summary, Medians, ModeSummary])
+@pytest.mark.parametrize("model", [Summary, Medians, ModeSummary, Stopped])
 def test_every_number_of_a_summary_has_a_unit(model: type) -> None:
     for name, kind in get_type_hints(model, include_extras=True).items():
         units = {part for part in parts(kind) if isinstance(part, str) and not isinstance(part, At)}
@@ -78,7 +78,7 @@ def test_every_number_of_a_summary_has_a_unit(model: type) -> None:
 
 
 def test_users_text_stays_text_on_a_page() -> None:
-    page = rendered("compare.html", runs=[], tables=[TABLE], methods=[], figures=[])
+    page = rendered("compare.html", runs=[], said=[], tables=[TABLE], methods=[], figures=[])
     assert "&lt;b&gt;" in page
     assert "<b>" not in page
     assert 'data-key="0.25"' in page

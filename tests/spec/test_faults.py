@@ -230,7 +230,7 @@ SHAPE = f"an object has exactly one shape ({SHAPES}), found"
             "[force-clsure,",
             "unknown-value",
             "27:12",
-            "expected force-closure, ferrari-canny, lift or shake, found the text 'force-clsure'",
+            "expected force-closure, ferrari-canny, grasp-matrix, lift or shake, found the text 'force-clsure'",
             "did you mean force-closure?",
         ),
         (

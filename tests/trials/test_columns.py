@@ -12,7 +12,8 @@ import pytest
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.trials.columns import columns_of
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import RejectedStart, TrialRecord
+from graspdsl.trials.priorities import CAUSES, Disturbance, Largest
+from graspdsl.trials.record import Balance, RejectedStart, TrialRecord
 
 ROOT = Path(__file__).parents[2]
 TOWEL = ROOT / "specs" / "towel_roll_two_contacts.yaml"
@@ -32,10 +33,14 @@ def record(number: int, **given: object) -> TrialRecord:
         "start": {"roll": 0.1, "height": 0.2, "spread-1": 0.3},
         "rejected": (RejectedStart({"roll": 0.0}, "table"),) * 2,
         "contact_forces": (0.4, 0.5, 0.6),
+        "balance": Balance(*(tuple(10.0 * party + part for part in range(6)) for party in range(4))),
         "point_error": (0.01, 0.02),
         "normal_error": (0.03, 0.04),
+        "priorities": (
+            Disturbance(1, "φ_f", 9, Largest(2e-6, 5, 0.1, CAUSES[0]), Largest(0.3, 7, 0.14, CAUSES[4]), 900.0),
+        ),
         "quality": {
-            "force-closure": {"closed": True, "margin": 0.5},
+            "force-closure": {"closed": True, "margin": {"value": 0.5, "reason": ""}},
             "ferrari-canny": {"epsilon": {"value": 0.7, "reason": ""}, "volume": {"value": None, "reason": "flat"}},
         },
     }
@@ -52,7 +57,7 @@ def test_every_field_has_a_column_with_its_values(program: Program) -> None:
     records = [record(0), record(2, outcome=Outcome.TIMEOUT, detail="too slow", ticks_to_converge=None)]
     columns = columns_of(program, records)
     assert {name.partition(".")[0] for name in columns} == {field.name for field in dataclasses.fields(TrialRecord)}
-    parted = {"start", "contact_forces", "point_error", "normal_error", "quality"}
+    parted = {"start", "contact_forces", "point_error", "normal_error", "priorities", "balance", "quality"}
     for name in {field.name for field in dataclasses.fields(TrialRecord)} - parted - {"rejected", "ticks_to_converge"}:
         assert columns[name].values.tolist() == [getattr(one, name) for one in records]
     assert columns["rejected"].values.tolist() == [2, 2]
@@ -62,7 +67,7 @@ def test_every_field_has_a_column_with_its_values(program: Program) -> None:
 
 
 def test_parts_have_columns(program: Program) -> None:
-    columns = columns_of(program, [record(0), record(1, start={}, contact_forces=(), quality={})])
+    columns = columns_of(program, [record(0), record(1, start={}, contact_forces=(), quality={}, balance=None)])
     parts = {name: column.values.tolist() for name, column in columns.items() if "." in name}
     nothing = math.nan
     expected = {
@@ -76,8 +81,19 @@ def test_parts_have_columns(program: Program) -> None:
         "point_error.p95": [0.02, 0.02],
         "normal_error.p50": [0.03, 0.03],
         "normal_error.p95": [0.04, 0.04],
+        **{
+            f"balance.{party}.{part}": [10.0 * row + place, nothing]
+            for row, party in enumerate(("contacts", "links", "table", "gravity"))
+            for place, part in enumerate(("fx", "fy", "fz", "mx", "my", "mz"))
+        },
+        "priorities.1.φ_fr.predicted": [nothing, nothing],
+        "priorities.1.φ_fr.observed": [nothing, nothing],
+        "priorities.1.φ_f.predicted": [2e-6, 2e-6],
+        "priorities.1.φ_f.observed": [0.3, 0.3],
         "quality.force-closure.closed": [1.0, nothing],
         "quality.ferrari-canny.epsilon": [0.7, nothing],
+        "quality.force-closure.margin": [0.5, nothing],
+        "quality.ferrari-canny.shortfall": [nothing, nothing],
         "quality.ferrari-canny.volume": [nothing, nothing],
     }
     assert parts.keys() == expected.keys()
@@ -89,6 +105,8 @@ def test_every_number_has_a_unit(program: Program) -> None:
     columns = columns_of(program, [record(0)])
     assert {name for name, column in columns.items() if not column.unit} == {"identity", "outcome", "detail"}
     expected = {"start.roll": "rad", "start.height": "m", "start.spread-1": "rad", "contact_forces.finger-1": "N"}
+    expected |= {"balance.contacts.fz": "N", "balance.table.mx": "N·m"}
+    expected |= {"priorities.1.φ_f.predicted": "m", "priorities.1.φ_f.observed": "N"}
     assert {name: columns[name].unit for name in expected} == expected
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import re
 import time
 from pathlib import Path
 
@@ -204,11 +205,69 @@ def test_hysteresis_goes_back_a_stage() -> None:
 
 
 @pytest.mark.slow
-def test_with_hysteresis_both_residuals_are_kept() -> None:
-    """A phase of two stages comes to its end on trials where, without hysteresis, it does not."""
-    loops = [trial_loop(program("compare/cstar.yaml", *more)) for more in (("program.0.hysteresis=1.5",), ())]
-    good = [sum(trial.record.outcome is Outcome.CONVERGED for trial in loop.run_all(range(8), 31)) for loop in loops]
-    assert good[0] > good[1]
+def test_what_a_later_stage_raises_again_is_undone_and_hysteresis_cures_it() -> None:
+    """The moment alone gives up the force residual: told from what to what, as the trajectory has it."""
+    plain, curing = (
+        list(trial_loop(program("compare/cstar.yaml", *more)).run_all(range(8), 31))
+        for more in ((), ("program.0.hysteresis=1.5",))
+    )
+    undone = [trial for trial in plain if trial.record.outcome is Outcome.UNDONE]
+    assert undone
+    for trial in undone:
+        residual, stage = np.linalg.norm(trial.trajectory["sensed_force_residual"], axis=-1), trial.trajectory["stage"]
+        before, bound, now = map(float, re.findall(r"0\.\d+", trial.record.detail))
+        assert before < bound == 0.1 <= now
+        assert before == pytest.approx(residual[np.argmax(stage == 1)], rel=5e-3)
+        assert now == pytest.approx(residual[-1], rel=5e-3)
+        assert "stage 2 of 2 raised it; with hysteresis the phase goes back" in trial.record.detail
+    good = [sum(trial.record.outcome is Outcome.CONVERGED for trial in trials) for trials in (plain, curing)]
+    assert good[1] > good[0]
+    assert all(trial.record.outcome is not Outcome.UNDONE for trial in curing)
+
+
+@pytest.mark.slow
+def test_what_ends_in_an_earlier_stage_or_keeps_what_was_lowered_is_not_undone() -> None:
+    """The moment of two contacts leaves the force alone at first: time is up, in the stage that is named."""
+    first = "program.0.until={force_residual: 1e-9, moment_residual: 0.005}"
+    trial = trial_loop(program("compare/cstar.yaml", first, "program.0.limit=1.0")).run(0, 31)
+    assert trial.record.outcome is not Outcome.UNDONE
+    assert trial.record.detail.startswith("in stage 1 of 2: ")
+    late = "program.0.until={force_residual: 0.9, moment_residual: 1e-9, hold: 0}"
+    trial = trial_loop(program("compare/cstar.yaml", late, "program.0.limit=0.3")).run(0, 31)
+    assert trial.record.outcome is Outcome.TIMEOUT
+    assert trial.record.detail.startswith("in stage 2 of 2: not converged")
+
+
+# The whole time
+
+FULL_TIME = ("program.0.full_time=true",)
+
+
+def test_a_phase_of_full_time_is_judged_at_its_limit() -> None:
+    """It goes the way of one that ends early, and on; whether it converged is told of where it is then."""
+    formula = "compare/force_alone.yaml"
+    bounds = ("program.0.until={force_residual: 0.1, hold: 0.4}", "program.0.limit=12.0")
+    early, whole = (trial_loop(program(formula, *bounds, *more)).run(0, 5) for more in ((), FULL_TIME))
+    assert (early.record.outcome, whole.record.outcome) == (Outcome.CONVERGED, Outcome.CONVERGED)
+    assert early.record.world_s < whole.record.world_s == 12.0
+    shared = len(early.trajectory["time"])
+    assert np.array_equal(early.trajectory["points"], whole.trajectory["points"][:shared])
+    assert early.record.ticks_to_converge == whole.record.ticks_to_converge
+    assert whole.record.force_residual_end < early.record.force_residual_end
+
+
+def test_a_phase_of_full_time_that_gives_up_its_end_conditions_has_not_converged() -> None:
+    """The moment alone soon raises the force residual again that the phase before brought down."""
+    force = "{run: 'φ_fr|τ_frx(Γ) σ_fr(Γ)', until: {force_residual: 0.1}}"
+    moment = "{run: 'φ_mr|τ_mrx(Γ) σ_mr(Γ)', until: {force_residual: 0.1, hold: 0}, limit: 10}"
+    early, whole = (
+        trial_loop(program("compare/cstar.yaml", f"program=[{force}, {moment}]", *more)).run(0, 5)
+        for more in ((), ("program.1.full_time=true",))
+    )
+    assert early.record.outcome is Outcome.CONVERGED
+    assert whole.record.outcome is not Outcome.CONVERGED
+    assert whole.record.force_residual_end > 0.1 > early.record.force_residual_end
+    assert whole.record.detail.count("‖ρ_f‖") == 1
 
 
 # End conditions in words
@@ -220,7 +279,8 @@ def tick(force: float, moment: float, error: float = 0.0) -> Ticks:
     """A tick whose sensed residuals have these norms."""
     along = np.array([[0.6, 0.0, -0.8]])
     none, nothing = np.zeros((1, 0)), np.zeros((1, 1), dtype=bool)
-    return Ticks(np.zeros((1, 1)), force * along, moment * along, np.array([error]), none, none, nothing)
+    rest = np.zeros((1, 0, 0)), np.zeros((1, 0, 0, 1)), np.zeros((1, 0, 0)), np.zeros((1, 0, 3, 0))
+    return Ticks(np.zeros((1, 1)), force * along, moment * along, np.array([error]), none, nothing, *rest)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +290,7 @@ def tick(force: float, moment: float, error: float = 0.0) -> Ticks:
         (tick(0.01, 0.005003), "‖ρ_m‖ = 5.003 mm, not below 5 mm"),
         (tick(0.25, 0.001), "‖ρ_f‖ = 0.25, not below 0.1"),
         (tick(0.25, 0.0056), "‖ρ_f‖ = 0.25, not below 0.1, and ‖ρ_m‖ = 5.6 mm, not below 5 mm"),
-        (tick(0.01, 0.001, 0.3), "a contact force is 0.3 N from its reference, not below 0.1 N"),
+        (tick(0.01, 0.001, 0.3), "the largest error of a contact force = 0.3 N, not below 0.1 N"),
         (tick(0.01, 0.001, math.nan), ""),
         (tick(0.01, 0.001), ""),
     ],

@@ -14,11 +14,11 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.maps import Cells, WantedAxis, floating_cells, starts, towards
 from graspdsl.trials.setup import world_of
 from graspdsl.worlds.floating import RATE, FloatingWorld
-from graspdsl.worlds.protocol import GRAVITY
 
 pytestmark = pytest.mark.slow
 
@@ -71,7 +71,7 @@ def by_trials(made: Program, found: Cells, chosen: range) -> None:
     ("name", "outcome"),
     [
         ("compare/moment_subject_to_force.yaml", "converged"),
-        ("compare/cstar.yaml", "local-minimum"),
+        ("compare/cstar.yaml", "undone"),
         ("chapter/cstar.yaml", "converged"),
         ("compare/cstar.yaml program.0.hysteresis=1.5", "converged"),
     ],
@@ -87,6 +87,12 @@ FORCE = "{run: φ_fr|τ_frx(Γ) σ_fr(Γ), until: {force_residual: 0.3, hold: 0.
 MOMENT = "{run: φ_mr|τ_mrx(Γ) σ_mr(Γ), until: {moment_residual: 0.02, hold: 0.2}}"
 BOTH = "{run: π_gx|Γ Γ, until: {force_residual: 0.1, moment_residual: 0.005, hold: 0.4}, limit: 20.0}"
 AT_ONCE = "{run: φ_fr|τ_frx(Γ) σ_fr(Γ), until: {force_residual: 0.8, hold: 0.0}}"
+
+
+def test_gravity_among_the_resources_is_mapped_as_a_trial_measures_it() -> None:
+    made = program("compare/moment_subject_to_force.yaml", "resources.Γ='{γ1, γ2, γ_g}'", "resources.Γ_τ='{γ1, γ2}'")
+    found = floating_cells(made, axes(4, 3), None, SEED)
+    by_trials(made, found, range(0, 12, 3))
 
 
 @pytest.mark.parametrize("phases", [[FORCE, BOTH], [AT_ONCE, BOTH], [FORCE, MOMENT, BOTH]])

@@ -38,7 +38,7 @@ def seen(points: Array, normals: Array, touching: list[bool] | None = None) -> O
 def truth(points: Array, normals: Array, axis: Array = UP, position: Array | None = None) -> Truth:
     """The truth of contacts at known places."""
     place = np.zeros(3) if position is None else position
-    return Truth(points, normals, np.zeros_like(points), place, np.eye(3), axis, 0.0, (), (), ())
+    return Truth(points, normals, np.zeros_like(points), place, np.eye(3), axis, 0.0, (), (), (), np.zeros((4, 6)))
 
 
 def contacts(count: int, *groups: tuple[int, ...]) -> ContactSet:

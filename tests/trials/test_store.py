@@ -14,11 +14,13 @@ import pytest
 
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.outcomes import OUTCOMES
-from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
+from graspdsl.trials.priorities import CAUSES, Disturbance, Largest
+from graspdsl.trials.record import Balance, RejectedStart, Trial, TrialRecord
 from graspdsl.trials.store import Manifest, RunFolder, fresh_folder
 from trials.whole import whole_rows
 
 MANIFEST = Manifest("a-run", "spec.yaml", ("scene.friction=0.5", "about=γ"), 2**63 - 1, 3, {"numpy": "2"})
+NOTHING = (0.0,) * 6
 RECORD = TrialRecord(
     number=2,
     identity="0123456789abcdef",
@@ -38,15 +40,18 @@ RECORD = TrialRecord(
     ticks=0,
     ticks_to_converge=None,
     samples=121,
-    largest_leak=0.0,
-    leaking_ticks=0,
     point_error=(math.nan, math.nan),
     normal_error=(0.1, 0.2),
     world_s=20.0,
     wall_s=0.7,
+    balance=Balance((1 / 3, 5e-324, -0.0, 0.1, 0.2, 0.3), NOTHING, NOTHING, NOTHING),
+    priorities=(
+        Disturbance(0, "φ_fr", 8, Largest(1 / 3, 3, 0.06, CAUSES[0]), Largest(0.1 + 0.2, 4, 0.08, CAUSES[4])),
+        Disturbance(1, "φ_f", 9, Largest(0.0, 0, 0.0, CAUSES[1]), Largest(5e-324, 9, 0.2, CAUSES[5]), 1500.0),
+    ),
     quality={
-        "force-closure": {"closed": True, "margin": 1 / 3, "reason": ""},
-        "lift": {"kept": False, "reason": "no contacts"},
+        "force-closure": {"closed": True, "margin": {"value": 1 / 3, "reason": ""}, "reason": ""},
+        "lift": {"kept": False, "reason": "no contacts", "borne": {"value": None, "reason": "no contacts"}},
     },
 )
 TRIAL = Trial(RECORD, {**whole_rows(4), "points": np.ones((4, 3, 3), dtype=np.float32)})
@@ -256,6 +261,9 @@ def _alter(folder: RunFolder, statement: str, *values: object) -> None:
         ("contact_forces", "{}", "trial 2: a value has another type"),
         ("contact_forces", "7", "trial 2: a value has another type"),
         ("contact_forces", '["x"]', "trial 2: contact_forces.0: input should be a valid number"),
+        ("balance", "[]", "trial 2: balance: input should be"),
+        ("balance", '{"contacts": [1]}', "trial 2: balance.contacts.1: field required"),
+        ("balance", '{"contacts": [1, 2, 3, 4, 5, 1e400]}', "trial 2: balance.contacts.5: input should be a finite"),
         ("point_error", "[1, 2, 3]", "trial 2: point_error"),
         ("quality", '{"lift": {}}', "trial 2: quality.lift.kept: field required"),
         ("quality", '{"shake": true}', "trial 2: quality.shake: input should be a valid dictionary"),

@@ -27,7 +27,7 @@ from graspdsl.trials.trajectories import (
 )
 from trials.whole import whole_rows
 
-LAYOUT = Layout(contacts=3, joints=10)
+LAYOUT = Layout(contacts=3, joints=10, levels=2)
 SPEC = Path(__file__).parents[2] / "specs" / "compare" / "moment_subject_to_force.yaml"
 
 
@@ -135,8 +135,7 @@ def test_every_array_is_told_of(name: str, tmp_path: Path) -> None:
     folder = new_run(tmp_path / "run", program)
     execute(folder, workers=1)
     layout = Layout.of(program)
-    levels = max(len(pipeline.leaks) for stages in program.pipelines() for pipeline in stages)
-    sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints, LEVELS: levels}
+    sizes = {CONTACTS: layout.contacts, JOINTS: layout.joints, LEVELS: layout.levels}
     rows = folder.trajectory(0, layout)
     assert {name: rows[name].shape[1:] for name in rows} == {
         name: tuple(sizes[axis] if isinstance(axis, str) else axis for axis in channel.axes)

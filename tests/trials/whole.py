@@ -7,12 +7,13 @@ import numpy as np
 from graspdsl.trials.trajectories import Rows
 
 
-def whole_rows(ticks: int, contacts: int = 3, joints: int = 10) -> Rows:
+def whole_rows(ticks: int, contacts: int = 3, joints: int = 10, levels: int = 2) -> Rows:
     """A trajectory that any reader takes, of a hand that stands still and touches nothing."""
     shapes = {
-        **dict.fromkeys(("phase", "force_residual", "moment_residual"), ()),
+        **dict.fromkeys(("phase", "stage", "force_residual", "moment_residual"), ()),
         "touching": (contacts,),
         "joints": (joints,),
+        "observed_disturbance": (levels,),
         **dict.fromkeys(("points", "normals", "forces"), (contacts, 3)),
         "object_position": (3,),
         "object_rotation": (3, 3),

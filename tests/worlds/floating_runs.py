@@ -126,7 +126,7 @@ def kept(formula: str, count: int, surface: Surface) -> Flags:
         world.place(points[first : first + 100])
         course = Course(made, stages_of(made), world.info, world.observe(), world.truth())
         for place, ending, _ in course.run(world):
-            assert ending.outcome is Outcome.TIMEOUT
+            assert ending.outcome in (Outcome.TIMEOUT, Outcome.UNDONE)  # time was up
             rows = course.log.trajectory(place)
             ended = {name: rows[name][-HOLD:] for name in LOW}
             low.append(all(np.all(ended[name] < bound) for name, bound in LOW.items()))

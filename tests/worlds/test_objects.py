@@ -19,9 +19,9 @@ from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.objects.superquadric import Superquadric
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
-from graspdsl.worlds.bullet.engine import pybullet
+from graspdsl.worlds.bullet.engine import TIME_STEP, pybullet
 from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
+from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import UnstableObjectError
 

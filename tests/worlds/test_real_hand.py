@@ -16,6 +16,7 @@ from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion, LinkMotion
+from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import LoadCell, Touch
 from graspdsl.trials.control_loop import ControlLoop
 from graspdsl.trials.outcomes import Outcome
@@ -23,7 +24,7 @@ from graspdsl.trials.setup import hand_of, settings_of
 from graspdsl.trials.starts import draws
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.world import BulletWorld
-from graspdsl.worlds.protocol import GRAVITY, InfeasibleStartError, Observation, Start
+from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start
 from graspdsl.worlds.real_hand import Reading, RealHand
 from worlds.scenes import MAIN, main_program, opened, with_uneven_tips
 

@@ -10,7 +10,9 @@ from graspdsl.arrays import Array
 from graspdsl.objects.surfaces.mesh import Mesh, mesh_of_rings
 from graspdsl.objects.surfaces.vectors import lengths
 
-ROUNDING = 64 * float(np.finfo(np.float64).eps)
+EPSILON = float(np.finfo(np.float64).eps)
+ROUNDING = 64 * EPSILON
+STEP = EPSILON ** (1 / 3)  # of the size: there rounding and curvature spoil a central difference alike
 
 
 class Surface(ABC):
@@ -68,6 +70,19 @@ class Surface(ABC):
         feet = self.nearest(points)
         astray = lengths(feet - points) > ROUNDING * self.size
         return np.where(astray[..., None], feet, points)
+
+    def shape_operators(self, points: Array) -> Array:
+        """S = ∂n/∂x, how the outward normal turns as a point slides over the surface [1/m], (..., 3, 3).
+
+        Symmetric, zero across the surface; on a sphere of radius R it is (I − n nᵀ) / R. By central differences of the
+        normals; where two curvatures meet, at the end of a rounding, it is one between them.
+        """
+        step, each = STEP * self.size, points[..., None, :]
+        moved = self.normals(each + step * np.eye(3)) - self.normals(each - step * np.eye(3))
+        normals = self.normals(points)
+        tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
+        along = tangent @ moved @ tangent / (2.0 * step)
+        return np.asarray(0.5 * (along + np.swapaxes(along, -1, -2)))
 
     def mesh(self, count: int = 24) -> Mesh:
         """A closed mesh for drawing, with ``count`` edges for each half turn."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 CONTROL_RATE = 50.0  # Hz, of ticks
+TIME_STEP = 1 / 500  # s, of physics
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.worlds.bullet.hand import BulletHand, Tip
-from graspdsl.worlds.bullet.scene import Scene
+from graspdsl.worlds.bullet.scene import Scene, forces_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,18 +35,16 @@ class BulletFingertips:
     def contacts(self) -> tuple[Array, Array, Array]:
         """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
         answer = np.full((3, len(self.tips), 3), np.nan)
+        touches = [touch for touch in self.scene.touches() if touch.body == self.hand.body and touch.contact[9] > 0.0]
         for row, tip in enumerate(self.tips):
-            pressing = self.scene.pressing(self.hand, self.scene.object, tip.link)
+            pressing = [touch for touch in touches if touch.link == tip.link]
             if not pressing:
                 continue
-            weights = np.array([c[9] for c in pressing])
-            inward = -np.array([c[7] for c in pressing])
-            # The engine tells the normal on the object, but friction as it acts on the hand.
-            friction = np.array([c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in pressing])
-            normal = weights @ inward
-            answer[0, row] = weights @ np.array([c[6] for c in pressing]) / weights.sum()
+            weights = np.array([touch.contact[9] for touch in pressing])
+            normal = weights @ np.array([touch.sign * np.array(touch.contact[7]) for touch in pressing])
+            answer[0, row] = weights @ np.array([touch.place for touch in pressing]) / weights.sum()
             answer[1, row] = normal / np.linalg.norm(normal)
-            answer[2, row] = normal - friction.sum(axis=0)
+            answer[2, row] = forces_of(pressing).sum(axis=0)
         return answer[0], answer[1], answer[2]
 
     def presses(self) -> list[tuple[Array, Array]]:

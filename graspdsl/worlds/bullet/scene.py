@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross
 from graspdsl.objects.shapes import Body
+from graspdsl.worlds.bullet.engine import TIME_STEP
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body, speck
 from graspdsl.worlds.camera import box_corners
 from graspdsl.worlds.kind import Anchor
-from graspdsl.worlds.protocol import TABLE_SIZE
+from graspdsl.worlds.protocol import PARTIES, TABLE_SIZE
 
 OUT_OF_THE_WAY = 1.0  # m
 WOOD = (0.76, 0.62, 0.46, 1.0)
@@ -22,20 +25,40 @@ UP = np.array([0.0, 0.0, 1.0])
 Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
 
 
+class Touch(NamedTuple):
+    """A contact of the object with a link of another ``body``, at a ``place`` (3,) [m] of the object.
+
+    ``sign``: 1 where the engine tells what acts on the object, -1 where it tells what acts on the other.
+    """
+
+    body: int
+    link: int
+    place: tuple[float, ...]
+    sign: float
+    contact: tuple[Any, ...]
+
+
+def forces_of(touches: Sequence[Touch]) -> Array:
+    """The forces (c, 3) [N] of contacts on the object, along their normals and by friction."""
+    rows = np.array([(*c[7], *c[11], *c[13], c[9], c[10], c[12], sign) for *_, sign, c in touches]).reshape(-1, 13)
+    directions = rows[:, :9].reshape(-1, 3, 3)
+    return np.asarray(rows[:, 12:] * np.einsum("cs,csi->ci", rows[:, 9:12], directions))
+
+
 class Scene:
     """A table whose top is z = 0 and one object that stands on it at the origin.
 
-    For a held object the table is lowered out of the way; ``attach`` fixes the object to the hand. What is not ``seen``
-    has no looks.
+    For an object that is held or afloat the table is lowered out of the way; ``attach`` fixes the object to the hand.
+    What is not ``seen`` has no looks.
     """
 
     def __init__(
         self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor, *, seen: bool = False
     ) -> None:
         self._engine, self._client = engine, client
-        self.table = self._put_table(-OUT_OF_THE_WAY if anchor is Anchor.HAND else 0.0, seen)
+        self.table = self._put_table(-OUT_OF_THE_WAY if anchor in (Anchor.HAND, Anchor.AFLOAT) else 0.0, seen)
         self.mass = body.mass
-        self._rolls = body.shape.rolls
+        self._topples = not (body.shape.rolls or anchor is Anchor.AFLOAT)
         self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD, seen=seen)
         self.object = self._body.index
         self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))
@@ -43,6 +66,7 @@ class Scene:
         engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
         engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
         self.mark_rest()
+        self.forget()
 
     def attach(self, hand: BulletHand) -> None:
         """Fix the object to the hand's palm where it is."""
@@ -97,8 +121,9 @@ class Scene:
         return box_corners(np.array(low), np.array(high))
 
     def lean(self) -> float:
-        """The angle [rad] by which what was up in the object at rest is off the vertical; a ball may roll."""
-        if self._rolls:
+        """The angle [rad] by which what was up in the object at rest is off the vertical; a ball may roll, and what
+        floats may turn."""
+        if not self._topples:
             return 0.0
         up = self.object_pose()[1] @ self._rest_up
         return math.atan2(float(np.hypot(up[0], up[1])), float(up[2]))
@@ -129,6 +154,48 @@ class Scene:
         """The engine's pairs of near points of a link of the hand and of the object, at most ``within`` [m] apart."""
         pairs = self._engine.getClosestPoints(hand, self.object, within, linkIndexA=link, physicsClientId=self._client)
         return list(pairs)
+
+    def touches(self) -> list[Touch]:
+        """The engine's contacts of the object in its last step."""
+        found = []
+        # Asked for one body alone, the engine turns normals so that they are on that, but leaves friction as it is.
+        for contact in self._engine.getContactPoints(physicsClientId=self._client):
+            if contact[1] == self.object:
+                found.append(Touch(contact[2], contact[4], contact[5], 1.0, contact))
+            elif contact[2] == self.object:
+                found.append(Touch(contact[1], contact[3], contact[6], -1.0, contact))
+        return found
+
+    def forget(self) -> None:
+        """Forget what has acted on the object."""
+        self._acted: list[tuple[Array, list[Touch]]] = []
+
+    def note(self) -> None:
+        """Note what acts on the object in the step of physics that was just taken."""
+        position, _ = self._engine.getBasePositionAndOrientation(self.object, self._client)
+        velocity, _ = self._engine.getBaseVelocity(self.object, self._client)
+        # The engine tells contacts where they were as the step began.
+        self._acted.append((np.array(position) - TIME_STEP * np.array(velocity), self.touches()))
+
+    def loads(self, hand: BulletHand, gravity: float) -> Array:
+        """What PARTIES put on the object (4, 6): force [N], then moment [N·m] about its centre of mass.
+
+        Means over the steps that were noted: over these they add up to the change of the object's momentum, but for the
+        engine's own damping, which at a velocity v takes 0.04 (1 + |v|) of it a second. One step alone would not do:
+        the engine's contacts may press by turns, each every other step.
+        """
+        tips = {tip.link for tip in hand.tips}
+        loads = np.zeros((len(PARTIES), 6))
+        loads[PARTIES.index("gravity"), 2] = -self.mass * gravity
+        touches = [touch for _, found in self._acted for touch in found]
+        if not touches:
+            return loads
+        centres = np.repeat([centre for centre, _ in self._acted], [len(found) for _, found in self._acted], axis=0)
+        forces = forces_of(touches)
+        levers = np.array([touch.place for touch in touches]) - centres
+        parties = [2 if touch.body == self.table else 0 if touch.link in tips else 1 for touch in touches]
+        np.add.at(loads, parties, np.hstack([forces, cross(levers, forces)]) / len(self._acted))
+        return loads
 
     def other_links(self, hand: BulletHand) -> tuple[str, ...]:
         """Names of the hand's links other than fingertips that press on the object."""

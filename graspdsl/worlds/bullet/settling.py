@@ -11,12 +11,11 @@ import numpy as np
 
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import STANDING
-from graspdsl.worlds.bullet.engine import pybullet, silenced
+from graspdsl.worlds.bullet.engine import TIME_STEP, pybullet, silenced
 from graspdsl.worlds.bullet.scene import Pose, Scene
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import UnstableObjectError
 
-TIME_STEP = 1 / 500  # s
 SETTLING_TIME = 4.0  # s, at most
 RESTING_TIME = 0.1  # s
 RESTING_SPEED = 1e-3  # m/s

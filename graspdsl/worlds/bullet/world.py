@@ -7,12 +7,12 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.rotations import logarithm
 from graspdsl.hands.descriptions import joint_limits
-from graspdsl.worlds.bullet.engine import CONTROL_RATE, pybullet, silenced
+from graspdsl.worlds.bullet.engine import CONTROL_RATE, TIME_STEP, pybullet, silenced
 from graspdsl.worlds.bullet.fingertips import BulletFingertips
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.pictures import camera_on_grasp, picture_of
 from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.settling import TIME_STEP, resting_pose
+from graspdsl.worlds.bullet.settling import resting_pose
 from graspdsl.worlds.bullet.start_postures import StartPostures
 from graspdsl.worlds.camera import Picture
 from graspdsl.worlds.kind import Anchor, WorldSettings
@@ -115,10 +115,12 @@ class BulletWorld:
 
         Targets that jump once a tick would shake an object loose in the hand.
         """
+        self._scene.forget()
         for step in range(1, PHYSICS_STEPS + 1):
             if before is not None:
                 self.hand.drive(before + (self._target - before) * (step / PHYSICS_STEPS))
             self._engine.stepSimulation(self._client)
+            self._scene.note()
             self._tips.advance()
 
     def tare(self) -> None:
@@ -171,6 +173,7 @@ class BulletWorld:
             stopped_joints=tuple(
                 name for name, is_stopped in zip(self.info.joints, self._stopped, strict=True) if is_stopped
             ),
+            loads=self._scene.loads(self.hand, self.settings.gravity),
         )
 
     def image(self, width: int = 640, height: int = 480) -> Picture:

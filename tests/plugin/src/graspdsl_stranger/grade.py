@@ -16,7 +16,7 @@ class IsotropyGrade(Grade):
     about = "how evenly the contact forces add up to wrenches in all directions (1 is best)"
     definition = (
         "Grasp isotropy index: the least singular value of the grasp matrix over the largest, for contacts that pass "
-        "on any force and moments over the largest distance of a contact from the centre of mass."
+        "on any force and moments over the torque scale of the run."
     )
     column = "isotropy"
     quantities = (Quantity("index", "isotropy index"),)
@@ -25,7 +25,7 @@ class IsotropyGrade(Grade):
         """The index (1), with the reason where it is zero or None."""
         if grasp.missing:
             return {"index": {"value": None, "reason": grasp.missing}}
-        matrix = grasp_matrix(grasp.points, grasp.centre_of_mass)
+        matrix = grasp_matrix((grasp.points - grasp.centre_of_mass) / grasp.torque_scale)
         rank = np.linalg.matrix_rank(matrix)
         if rank < 6:
             return {"index": {"value": 0.0, "reason": f"contact forces span {rank} of 6 dimensions of wrenches"}}
@@ -33,9 +33,7 @@ class IsotropyGrade(Grade):
         return {"index": {"value": float(values[-1] / values[0]), "reason": ""}}
 
 
-def grasp_matrix(points: Array, centre: Array) -> Array:
-    """G (6, 3k): forces at points (k, 3) [m] to the wrench about a centre (3,) [m], moments over the longest lever."""
-    levers = points - centre
-    length = float(np.linalg.norm(levers, axis=1).max()) or 1.0
-    blocks = np.concatenate([np.broadcast_to(np.eye(3), (len(points), 3, 3)), skew(levers / length)], axis=1)
+def grasp_matrix(levers: Array) -> Array:
+    """G (6, 3k): forces at levers (k, 3) (1), those about the centre of mass over the torque scale, to the wrench."""
+    blocks = np.concatenate([np.broadcast_to(np.eye(3), (len(levers), 3, 3)), skew(levers)], axis=1)
     return np.asarray(np.concatenate(list(blocks), axis=1))

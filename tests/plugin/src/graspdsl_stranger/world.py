@@ -13,7 +13,7 @@ from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.floating import sensed, slid
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import Command, Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.protocol import PARTIES, Command, Observation, Start, Truth, WorldInfo
 
 RATE = 50.0  # Hz
 LAG = 0.05  # s: the time constant with which a contact follows
@@ -101,6 +101,7 @@ class GlidingWorld:
             touching_links=(),
             table_links=(),
             stopped_joints=(),
+            loads=np.full((len(PARTIES), 6), np.nan),  # nothing here has a force
         )
 
     def close(self) -> None:
