@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -54,6 +55,7 @@ class LevelSummary:
     ``place``: of the level among those of its stage, highest first, as in trajectories;
     ``protects``: what of it is kept from what is below; ``plain_sum``: whether nothing is, as ◁ is a plain sum;
     ``rank``: the least of the null space below. ``stiffness`` [N/m]: the median of those seen, of forces.
+    ``in_several``: whether another stage has a level of this symbol.
     """
 
     stage: int
@@ -67,13 +69,19 @@ class LevelSummary:
     predicted: Worst
     observed: Worst
     stiffness: Annotated[float | None, "N/m"]
+    in_several: bool = False
+
+    @property
+    def name(self) -> str:
+        """What it is called: by its stage, as others are counted, where another has a level of its symbol."""
+        return f"{self.level} in stage {self.stage + 1}" if self.in_several else self.level
 
     def said(self, each: str) -> str:
         """In a sentence; ``each``: what a step is, a tick or a probe."""
         if self.plain_sum:
-            return f"{self.level}: ◁ is a plain sum here, which projects nothing, so that there is nothing to certify."
+            return f"{self.name}: ◁ is a plain sum here, which projects nothing, so that there is nothing to certify."
         seen, told = self.observed, self.predicted
-        most = f"{self.level} ({self.about}) was disturbed by up to {seen.written(seen.largest)} in one {each}"
+        most = f"{self.name} ({self.about}) was disturbed by up to {seen.written(seen.largest)} in one {each}"
         when = f"in trial {seen.trial} after {seen.time:.1f} s, by {seen.cause}"
         usual = f"in the median trial by up to {seen.written(seen.median)}"
         if told.largest <= ROUNDING:
@@ -106,7 +114,9 @@ def priorities(evidence: Evidence) -> Priorities:
         for place, priority in enumerate(pipeline.priorities):
             name = level_names(pipeline.priorities)[place]
             found.append(_summed_up(evidence, stage, place, priority, name, plain=priority.controller in sums))
-    return Priorities(tuple(level for level in found if level is not None))
+    levels = [level for level in found if level is not None]
+    stages = Counter(level.level for level in levels)
+    return Priorities(tuple(replace(level, in_several=stages[level.level] > 1) for level in levels))
 
 
 def _summed_up(
@@ -146,7 +156,7 @@ def priorities_table(found: Priorities) -> Table:
     """The levels one by one."""
     rows = tuple(
         (
-            level.level,
+            level.name,
             kind,
             *(Value(size, worst.format) for size in (worst.median, worst.largest)),
             worst.format.unit,

@@ -35,7 +35,7 @@ def drawn_priorities(evidence: Evidence, priorities: Priorities) -> Drawing | No
         axes.plot(ticks, middle, color=colour, linewidth=1.4)
         axes.plot(ticks, scale * most, color=LIGHT["muted"], linewidth=0.7)
         axes.set_yscale("log")
-        axes.set_ylabel(f"{level.level} ({unit or '1'})", parse_math=False)
+        axes.set_ylabel(f"{level.name} ({unit or '1'})", parse_math=False)
         axes.set_xlim(0.0, max(1.0, float(ticks[-1])))
     panels[-1].set_xlabel(f"{each} since the controller took over")
     figure.align_ylabels()

@@ -266,7 +266,7 @@ def _disturbances(summary: Summary) -> Iterator[tuple[str, object, object, Forma
     """How far each level that others are subject to was disturbed in one tick or probe."""
     for level in summary.priorities.certified:
         seen = level.observed
-        yield f"{level.level} disturbed in a tick, at most", "", seen.median, seen.format
+        yield f"{level.name} disturbed in a tick, at most", "", seen.median, seen.format
         yield f"  trial {seen.trial}, by {seen.cause}", "", seen.largest, seen.format
 
 

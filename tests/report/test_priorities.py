@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stored_runs import stored_run
 
 from graspdsl.compiler.explain import explained
 from graspdsl.compiler.program import Program, program_of, program_of_expression
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import drawings_of, page
-from graspdsl.report.priorities import LevelSummary, Worst
+from graspdsl.report.priorities import LevelSummary, Worst, priorities_table
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.runner import execute, new_run
 
@@ -62,6 +63,22 @@ def test_a_sentence_has_its_units() -> None:
         "found; in the median trial by up to 0.021 N. By its Jacobian the command disturbs it by up to 0.012 mm of "
         "pressing, mostly by lower priorities."
     )
+
+
+@pytest.mark.slow
+def test_levels_of_one_symbol_are_told_apart_by_their_stages(tmp_path: Path) -> None:
+    chain = "φ_mr|τ_mrx(Γ_τ) σ_mr(Γ) ◁ φ_fr|τ_frx(Γ_τ) σ_fr(Γ)"
+    few = (
+        "trials.count=1",
+        "program.0.until={contact: all, hold: 0.2}",
+        "resources.Γ_τ='{γ1, γ2}'",
+        f"program.0.run={chain} then {chain}",
+    )
+    folder = stored_run(tmp_path / "run", SPEC.with_name("cstar.yaml"), *few)
+    levels = summarised(evidence_of(folder)).priorities
+    assert [level.name for level in levels.levels] == ["φ_fr in stage 1", "φ_fr in stage 2"]
+    assert [row[0] for row in priorities_table(levels).rows[::2]] == ["φ_fr in stage 1", "φ_fr in stage 2"]
+    assert levels.levels[1].said("tick").startswith("φ_fr in stage 2 (net unit force) was disturbed")
 
 
 @pytest.mark.parametrize(("nullspace", "said"), [("gradient", "one direction"), ("task", "all that it senses")])
