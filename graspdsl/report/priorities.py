@@ -111,8 +111,8 @@ def priorities(evidence: Evidence) -> Priorities:
     found = []
     for stage, (graph, pipeline) in enumerate(zip(graphs, pipelines, strict=True)):
         sums = summed_plainly(graph, program.spec.control)
-        for place, priority in enumerate(pipeline.priorities):
-            name = level_names(pipeline.priorities)[place]
+        named = zip(pipeline.priorities, level_names(pipeline.priorities), strict=True)
+        for place, (priority, name) in enumerate(named):
             found.append(_summed_up(evidence, stage, place, priority, name, plain=priority.controller in sums))
     levels = [level for level in found if level is not None]
     stages = Counter(level.level for level in levels)

@@ -290,7 +290,7 @@ class Course:
             self._ask(When.END, sight, done, endings)
             endings |= {int(place): Ending(Outcome.CONVERGED) for place in np.flatnonzero(done)}
         moved = after != stage.number
-        for name, (values, _) in _bounded(stage.until, ticks).items():
+        for name, (values, _) in _bounded(stage.until, ticks).items() if done.any() else ():
             noted = self._handed_over.setdefault((stage.number, name), np.full(len(self._at), np.nan))
             noted[trials[done]] = values[done]
         self._move(trials[moved], stage, after[moved], seen.time)
