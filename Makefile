@@ -7,12 +7,16 @@ BIN := $(VENV)/bin
 
 .PHONY: demo experiments test check lint types unit clean
 
+# The main example is of the bullet world, whose engine has no wheels for CPython 3.12 and later.
+WITHOUT_BULLET = from importlib.util import find_spec; print('' if find_spec('pybullet') else '--set scene.world=mujoco')
+
 demo: $(VENV)/.installed
-	$(BIN)/graspdsl run specs/towel_roll_two_contacts.yaml
+	$(BIN)/graspdsl run specs/towel_roll_two_contacts.yaml $$($(BIN)/python -c "$(WITHOUT_BULLET)")
 
 # The chapter's four experiments, and what of them agrees with the chapter; SEED=7 for other numbers.
 experiments: $(VENV)/.installed
-	$(BIN)/graspdsl experiments specs/experiments/*.yaml $(if $(SEED),--seed $(SEED))
+	$(BIN)/graspdsl experiments specs/experiments/*.yaml $(if $(SEED),--seed $(SEED)) \
+		$$($(BIN)/python -c "$(WITHOUT_BULLET)")
 
 test: lint types unit
 

@@ -264,9 +264,44 @@ def experiments(
 ) -> None:
     """Run the chapter's experiments and say, point by point, what agrees with the chapter."""
     with answering(as_json):
-        from graspdsl.cli.experimenting import Asked, run_experiments
+        from graspdsl.cli.experimenting import run_experiments
+        from graspdsl.cli.several import Asked
 
-        code = run_experiments(Asked(tuple(specs), tuple(settings), trials, seed, workers, out, as_json, allow_code))
+        given = (tuple(specs), tuple(settings), trials, seed, workers, out, as_json, allow_code)
+        code = run_experiments(Asked("experiments", *given))
+    raise typer.Exit(code)
+
+
+@app.command()
+def engines(
+    spec: Annotated[Path, typer.Argument(parser=named, metavar="SPEC", help="A spec file (YAML).")],
+    worlds: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,NAME", help="Which engines, the first is the measure; by default all there are."),
+    ] = None,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="The engines alone, not at half and twice the time step and solver effort.")
+    ] = False,
+    trials: Trials = None,
+    seed: Seed = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(parser=named, metavar="DIR", help="Where the runs go; one begun there before goes on."),
+    ] = None,
+    settings: Setting = [],  # noqa: B006 (typer copies it)
+    as_json: AsJson = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Run a spec on every engine, at half and twice the time step and solver effort, and say where they agree."""
+    with answering(as_json):
+        from graspdsl.cli.engines import run_engines
+        from graspdsl.cli.several import Asked
+
+        options = (*(("--worlds", worlds) if worlds is not None else ()), *(("--plain",) if plain else ()))
+        given = ((spec,), tuple(settings), trials, seed, workers, out, as_json, allow_code, options)
+        names = None if worlds is None else worlds.split(",")
+        code = run_engines(Asked("engines", *given), names, finer=not plain)
     raise typer.Exit(code)
 
 
@@ -313,6 +348,48 @@ def view(
             viewing.view_object(thing, images)
         else:
             viewing.view_hand(hand or "", images)
+
+
+init = typer.Typer(cls=Commands, help="Write a file to begin with.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(init, name="init")
+
+
+@init.command(name="mount")
+def init_mount(
+    model: Annotated[Path, typer.Argument(parser=named, metavar="MODEL", help="A URDF or MJCF file of an arm.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(parser=named, metavar="FILE", help="The mount file; by default of the model's name, here."),
+    ] = None,
+    face: Annotated[
+        str, typer.Option(metavar="LINK", help="The link that the hand is fixed to; by default behind the last joint.")
+    ] = "",
+) -> None:
+    """Guess a mount file from the model of an arm: its face, its joints and their weights, where it stands."""
+    with answering():
+        from graspdsl.cli.starting import init_mount
+
+        code = init_mount(model, out, face)
+    raise typer.Exit(code)
+
+
+@init.command(name="hand")
+def init_hand(
+    model: Annotated[Path, typer.Argument(parser=named, metavar="MODEL", help="A URDF or MJCF file of a hand.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(parser=named, metavar="FILE", help="The hand file; by default of the model's name, here."),
+    ] = None,
+    root: Annotated[
+        str, typer.Option(metavar="LINK", help="The link that the hand begins with; by default its palm or the root.")
+    ] = "",
+) -> None:
+    """Guess a hand file from a model, and a spec that grasps with it; draw the hand open and closed."""
+    with answering():
+        from graspdsl.cli.starting import init_hand
+
+        code = init_hand(model, out, root)
+    raise typer.Exit(code)
 
 
 class Kind(enum.StrEnum):

@@ -32,33 +32,40 @@ def judged(path: Path, *, allow_code: bool = False) -> tuple[str, tuple[Diagnost
     """The text of a spec, of a hand file or of a mount file, and every complaint about it; the latter two say 'hand:'
     or 'mount:' first of all."""
     from graspdsl.api.programs import examined
+    from graspdsl.compiler.program import missing_engine
 
     source, examination = examined(path, allow_code=allow_code)
     is_mount = MOUNT_FILE.match(source) is not None
     if HAND_FILE.match(source) is None and not is_mount:
-        return source, examination.diagnostics
-    from graspdsl.hands.hand_files import HandFileError, hand_in
+        missing = missing_engine(examination.program) if examination.program else None
+        return source, (*examination.diagnostics, *([missing] if missing else []))
+    from graspdsl.hands.description_files import DescriptionFileError
+    from graspdsl.hands.hand_files import hand_in
     from graspdsl.hands.mount_files import mount_in
     from graspdsl.places.files import SpecFolder
 
+    read = mount_in if is_mount else hand_in
     try:
-        if is_mount:
-            mount_in(path)
-            return source, ()
-        return source, hand_in(SpecFolder(path.parent), path.name).warnings
-    except HandFileError as error:
+        return source, read(SpecFolder(path.parent), path.name).warnings
+    except DescriptionFileError as error:
         return error.text, error.diagnostics
     except DiagnosticError as error:
         return source, error.diagnostics
 
 
 def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = False) -> Program:
-    """The program of a spec file; warnings go to stderr. Raises DiagnosticError when it has errors."""
+    """The program of a spec file, to be run; warnings go to stderr.
+
+    Raises DiagnosticError when it has errors, or what its world needs is not installed.
+    """
     from graspdsl.api.programs import examined, program_in
+    from graspdsl.compiler.program import missing_engine
 
     source, examination = examined(path, overrides, allow_code=allow_code)
     program = program_in(examination, str(path), source)
     complain(str(path), source, examination.diagnostics)
+    if missing := missing_engine(program):
+        raise DiagnosticError([missing], str(path), source)
     return program
 
 

@@ -112,21 +112,20 @@ def _named(kind: str, entries: Iterable[tuple[str, str]]) -> Rows:
 def _hands() -> Rows:
     from graspdsl.hands.descriptions import hands
 
-    found = [{"name": str(path), "from": "this folder", "about": "a hand file found here"} for path in _hand_files()]
-    return [*_named("hands", ((name, hand.about) for name, hand in hands().items())), *found]
+    return [*_named("hands", ((name, hand.about) for name, hand in hands().items())), *_files_of("hand")]
 
 
-def _hand_files() -> list[Path]:
-    """Hand files in this folder and in the folder hands below it."""
-    from graspdsl.cli.inputs import HAND_FILE
+def _files_of(kind: str) -> Rows:
+    """Hand or mount files in this folder and in the folder hands or mounts below it."""
+    from graspdsl.cli.inputs import HAND_FILE, MOUNT_FILE
     from graspdsl.places.folders import SUFFIXES
 
-    found = []
-    for path in sorted([*Path().glob("*"), *Path("hands").glob("*")]):
+    found: Rows = []
+    for path in sorted([*Path().glob("*"), *Path(f"{kind}s").glob("*")]):
         if path.suffix in SUFFIXES and path.is_file():
             with path.open(encoding="utf-8", errors="replace") as file:
-                if HAND_FILE.match(file.read(BEGINNING)):
-                    found.append(path)
+                if (HAND_FILE if kind == "hand" else MOUNT_FILE).match(file.read(BEGINNING)):
+                    found.append({"name": str(path), "from": "this folder", "about": f"a {kind} file found here"})
     return found
 
 
@@ -154,7 +153,7 @@ def _worlds() -> Rows:
 def _mounts() -> Rows:
     from graspdsl.hands.descriptions import mounts
 
-    return _named("mounts", ((name, mount.about) for name, mount in mounts().items()))
+    return [*_named("mounts", ((name, mount.about) for name, mount in mounts().items())), *_files_of("mount")]
 
 
 def _sensing() -> Rows:

@@ -1,4 +1,4 @@
-"""Trials, objects and hands to look at: in the engine's window, as pictures, as a film."""
+"""Trials, objects and hands to look at: in a window, as pictures, as a film."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,10 @@ from graspdsl.cli.messages import complain, result, say
 from graspdsl.cli.running import opened
 from graspdsl.compiler.object_check import body_in
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
+from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
-from graspdsl.hands.hand_files import HandFileError, hand_in, names_a_file
+from graspdsl.hands.hand_files import hand_in, names_a_file
+from graspdsl.hands.mount_check import taken_names
 from graspdsl.objects.object_files import Mesh
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.files import SpecFolder, read_text
@@ -27,9 +30,8 @@ from graspdsl.spec.scene import GRAVITY, InlineObject
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.replay import Replay, evenly
 from graspdsl.worlds.annotations import Label, annotated, png
-from graspdsl.worlds.bullet.replay import HandStudio, ObjectStudio, Studio
-from graspdsl.worlds.kind import TABLE_FRICTION, TrialStudio
-from graspdsl.worlds.protocol import UnstableObjectError
+from graspdsl.worlds.kind import TABLE_FRICTION
+from graspdsl.worlds.protocol import NoWindowError, UnstableObjectError
 
 SIZE = (640, 480)
 PICTURES = 6  # of a trial
@@ -48,7 +50,11 @@ def view_trial(
     in_window = images is None and video is None
     if in_window:
         _needs_display(str(run))
-    with reading(str(run)), Replay(folder, number, width=SIZE[0], height=SIZE[1], window=in_window) as replay:
+    with (
+        reading(str(run)),
+        _windows(str(run)),
+        Replay(folder, number, width=SIZE[0], height=SIZE[1], window=in_window) as replay,
+    ):
         if video is not None:
             _needs_place(video)
         if in_window:
@@ -70,14 +76,17 @@ def view_object(name: str, images: Path | None) -> None:
     body = known[name] if name in known else _object_of_file(name)
     if images is None:
         _needs_display(name)
+    from graspdsl.worlds.mujoco.studio import ObjectStudio
+
     try:
-        studio = ObjectStudio(body, TABLE_FRICTION, GRAVITY, window=images is None)
+        with _windows(name):
+            studio = ObjectStudio(body, TABLE_FRICTION, GRAVITY, window=images is None)
     except UnstableObjectError as error:
         hint = "turn it in its file; in a spec it can also be held or fixed"
         raise DiagnosticError([Diagnostic("unstable-object", str(error), hint=hint)], name) from None
     with studio:
         if images is None:
-            _stay(studio)
+            _stay(lambda: studio.is_open)
         else:
             shown = body.name
             _write(images, {f"{shown}.png": png(annotated(studio.picture(studio.camera(*SIZE)), [], [shown]))})
@@ -85,6 +94,8 @@ def view_object(name: str, images: Path | None) -> None:
 
 def view_hand(name: str, images: Path | None) -> None:
     """A hand of the catalogue or of a file, open and closed."""
+    from graspdsl.worlds.mujoco.studio import HandStudio
+
     shown = _hand_of_file(Path(name)) if names_a_file(name) else _hand_of_catalogue(name)
     if images is None:
         _needs_display(name)
@@ -93,16 +104,16 @@ def view_hand(name: str, images: Path | None) -> None:
         posture: np.array([shown.hand.postures[posture].get(joint, 0.0) for joint in shown.joints])
         for posture in ("open", "closed")
     }
-    with HandStudio(shown, window=images is None) as studio:
+    with _windows(name), HandStudio(shown, window=images is None) as studio:
         if images is None:
             studio.show(postures["open"])
-            _stay(studio)
+            _stay(lambda: studio.is_open)
             return
         camera = studio.camera(list(postures.values()), *SIZE)
         pictures = {}
         for posture, joints in postures.items():
             studio.show(joints)
-            tips = camera.pixels(studio.tips())
+            tips = camera.pixels(studio.robot.tips())
             labels = [Label(tip, contact) for tip, contact in zip(tips, shown.contacts, strict=True)]
             drawn = annotated(studio.picture(camera), [], [f"{name}, {posture}"], labels)
             pictures[f"{name}-{posture}.png"] = png(drawn)
@@ -114,7 +125,8 @@ def _object_of_file(name: str) -> Body:
     if not os.path.exists(name):
         raise DiagnosticError([Diagnostic("file-not-found", "there is no such file")], name)
     place = os.path.realpath(name)
-    fields = {"urdf": place} if Path(name).suffix.lower() == ".urdf" else {"mesh": Mesh.model_construct(file=place)}
+    key = {".urdf": "urdf", ".xml": "mjcf"}.get(Path(name).suffix.lower())
+    fields = {key: place} if key else {"mesh": Mesh.model_construct(file=place)}
     odd: list[Diagnostic] = []
     with reading(name):
         # Not validated: what is there may have a longer path than a spec can write.
@@ -137,10 +149,13 @@ def _hand_of_file(path: Path) -> Robot:
     with reading(str(path)):
         try:
             found = hand_in(SpecFolder(path.parent), path.name)
-        except HandFileError as error:
+        except DescriptionFileError as error:
             raise DiagnosticError(error.diagnostics, str(path), error.text) from None
         complain(str(path), read_text(path), found.warnings)
-    return Robot(hand=found.hand, mount=mounts()[MOUNT])
+        shown = Robot(hand=found.hand, mount=mounts()[MOUNT])
+        if taken := [*taken_names(shown)]:
+            raise DiagnosticError(taken)
+    return shown
 
 
 def _play(replay: Replay) -> None:
@@ -151,12 +166,12 @@ def _play(replay: Replay) -> None:
             return
         replay.show(tick)
         time.sleep(float(times[tick] - times[max(0, tick - 1)]))
-    _stay(replay.studio)
+    _stay(lambda: replay.studio.is_open)
 
 
-def _stay(studio: Studio | TrialStudio) -> None:
+def _stay(is_open: Callable[[], bool]) -> None:
     say("close the window to end")
-    while studio.is_open:
+    while is_open():
         time.sleep(0.1)
 
 
@@ -220,8 +235,21 @@ def _write(folder: Path, pictures: Mapping[str, bytes]) -> None:
 
 def _needs_display(name: str) -> None:
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        hint = "write pictures with --images DIR, or a film of a trial with --video FILE"
-        raise DiagnosticError([Diagnostic("no-display", "there is no display for a window", hint=hint)], name)
+        raise _no_display(name, "there is no display for a window")
+
+
+@contextmanager
+def _windows(name: str) -> Iterator[None]:
+    """Where windows are opened, for something of this name."""
+    try:
+        yield
+    except NoWindowError as error:
+        raise _no_display(name, f"a window cannot be opened: {on_one_line(str(error))}") from None
+
+
+def _no_display(name: str, what: str) -> DiagnosticError:
+    hint = "write pictures with --images DIR, or a film of a trial with --video FILE"
+    return DiagnosticError([Diagnostic("no-display", what, hint=hint)], name)
 
 
 def _needs_film_maker(place: Path) -> None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import yaml
+from shipped import ABSENT, HANDS, NAMES, SPECS
 
+from graspdsl.api.programs import examined
 from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import has_errors
+from graspdsl.diagnostics import Severity, has_errors
+from graspdsl.hands.descriptions import Hand
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.setup import trial_loop
 
-SPECS = Path(__file__).parent.parent / "specs"
-NAMES = sorted(path.relative_to(SPECS).as_posix() for path in SPECS.rglob("*.yaml"))
 CHAPTER = {
     "4_13_force_residual": Outcome.CONVERGED,
     "4_17_moment_residual": OUTCOMES["local-minimum"],
@@ -40,6 +42,18 @@ def test_a_spec_is_valid(name: str) -> None:
     examination = examine((SPECS / name).read_text("utf-8"), name)
     assert examination.program is not None
     assert not has_errors(examination.diagnostics)
+
+
+@pytest.mark.parametrize("hand", HANDS, ids=lambda hand: hand.stem)
+def test_a_hand_of_the_gallery_lacks_its_model_alone(hand: Path) -> None:
+    """Where the model is not here, hand file and spec are sound but for it; where it is, ``NAMES`` has the spec."""
+    known = Hand.model_validate(yaml.safe_load(hand.read_text("utf-8")))
+    spec = hand.with_name(hand.name.replace("_hand", ""))
+    assert {contact.onto or contact.cell for contact in known.contacts.values()} - {""}
+    if spec in ABSENT:
+        _, examination = examined(spec)
+        assert [each.code for each in examination.diagnostics if each.severity is Severity.ERROR] == ["file-not-found"]
+        assert "models/" in examination.diagnostics[0].message
 
 
 @pytest.mark.slow

@@ -26,10 +26,9 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.compiler.program import program_of
-from graspdsl.trials.setup import settings_of
-from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.trials.setup import world_of
 from graspdsl.worlds.protocol import Command
+from graspdsl.worlds.rigid.world import RigidWorld
 from graspdsl.worlds.start_pose import pose
 
 START = {"roll": 0.4, "height": 0.1, "standoff": 0.047, "yaw": 0.0, "offset": 0.0, "tilt": 0.0}
@@ -47,7 +46,9 @@ class StandIn:
 
     def __init__(self, spec: Path, pace: float, silent_after: float) -> None:
         program = program_of(spec.read_text("utf-8"), spec.name, folder=spec.parent)
-        self._world = BulletWorld(settings_of(program))
+        world = world_of(program)
+        assert isinstance(world, RigidWorld)
+        self._world = world
         self._start = pose("side", START, program.body, program.robot.hand.palm_surface)
         self._target = self._world.reset(self._start, seed=1).joints
         self._pace, self._silent_after = pace, silent_after
@@ -101,12 +102,12 @@ class StandIn:
 
     def _tell(self, tick: int, now: float) -> None:
         """A reading; or not, or some ticks later, or with a number that is none."""
-        wrenches = loads(self._world.hand) + self._bias
+        wrenches = loads(self._world) + self._bias
         wrenches += NOISE * self._random.normal(size=wrenches.shape)
         lost, late, garbled = self._random.random(3) < (LOST, LATE, GARBLED)
         if garbled:
             wrenches[0, 0] = math.nan
-        joints = self._world.hand.actuated(self._world.hand.all_joints())
+        joints = self._world.hand.joints()
         reading = {"number": tick, "time": now, "joints": joints.tolist(), "wrenches": wrenches.tolist()}
         if not lost:
             self._kept_back.append((tick + DELAY * late, json.dumps(reading).encode()))
@@ -116,13 +117,13 @@ class StandIn:
         self._kept_back = [kept for kept in self._kept_back if kept[0] > tick]
 
 
-def loads(hand: BulletHand) -> Array:
+def loads(world: RigidWorld) -> Array:
     """What object and weight put on the fingertips (k, 6), about the origins of their links.
 
     The engine tells what holds up against that, about the tips' centres of mass.
     """
-    levers = np.array([tip.centre + tip.weight_lever for tip in hand.tips])
-    forces, moments = np.hsplit(-hand.cell_readings(), 2)
+    levers = np.array([tip.centre + tip.weight_lever for tip in world.hand.tips])
+    forces, moments = np.hsplit(-world.stage.fingertips.wrenches(), 2)
     return np.hstack([forces, moments + cross(levers, forces)])
 
 

@@ -49,7 +49,7 @@ def compile(
 ) -> Controller:
     """The controller of a formula, on a hand and a mount, as ``graspdsl explain`` shows it.
 
-    hand, mount: of the catalogue, or a hand file. resources: ``{"γ1": "finger-3", "Γ": "{γ1, γ2}"}``, by default γ1 the
+    hand, mount: of the catalogue, or a file. resources: ``{"γ1": "finger-3", "Γ": "{γ1, γ2}"}``, by default γ1 the
     thumb of the Barrett hand and Γ = {γ1, <γ2, γ3>}; of another hand its contacts γ1, γ2 … in their order, and Γ all of
     them. parameters: numbers and vectors that the formula names, by default κ_f = 0.5 N. control: keys of a spec's
     ``control``, ``{"step": 0.0005}``. held: whether the object is fixed to the hand, by default where the formula turns

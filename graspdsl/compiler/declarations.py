@@ -17,6 +17,7 @@ from graspdsl.spec.scene import InlineObject
 from graspdsl.worlds.kinds import WORLDS
 
 HAND: Path = ("scene", "hand")
+MOUNT: Path = ("scene", "mount")
 OBJECT: Path = ("scene", "object")
 DEFAULT_WORLD = "bullet"  # of expressions outside a spec
 
@@ -52,7 +53,7 @@ class Declarations:
     """
 
     hand: SourceText | None
-    mount: str | None
+    mount: SourceText | None
     world: str | None
     object: SourceText | None = None
     object_path: Path = ()
@@ -74,7 +75,7 @@ def default_scene() -> Declarations:
     resources = {"γ1": "finger-3", "γ2": "finger-1", "γ3": "finger-2", "Γ": "{γ1, <γ2, γ3>}"}
     return Declarations(
         hand=SourceText.of("barrett"),
-        mount="gantry",
+        mount=SourceText.of("gantry"),
         world=DEFAULT_WORLD,
         resources=tuple(Declaration(SourceText.of(k), SourceText.of(v), ()) for k, v in resources.items()),
         parameters={"κ_f": (0.5,)},
@@ -88,7 +89,7 @@ def declarations_of(spec: Spec, document: Document) -> Declarations:
     holds = thing is None or (isinstance(thing, InlineObject) and thing.held is not False)
     return Declarations(
         hand=_placed(document, HAND, scene.hand),
-        mount=scene.mount,
+        mount=_placed(document, MOUNT, scene.mount),
         world=scene.world,
         object=_placed(document, path, named),
         object_path=path,

@@ -8,9 +8,10 @@ from pathlib import PurePosixPath
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.objects.mesh_files import SUFFIXES
-from graspdsl.objects.object_files import DEFAULT_MASS, Warn, body_of_mesh, body_of_urdf
+from graspdsl.models.mesh_files import FORMATS
+from graspdsl.objects.object_files import DEFAULT_MASS, Warn, body_of_mesh, body_of_mjcf, body_of_urdf
 from graspdsl.objects.shapes import Body, catalogue
+from graspdsl.objects.turned import posed
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
 from graspdsl.places.wording import shortened
@@ -21,10 +22,11 @@ from graspdsl.worlds.kinds import WORLDS
 
 def file_hint(name: str, on_command_line: bool = False) -> str | None:
     """How the file that an object's name looks like is given as an object; None for any other name."""
-    suffix, known = PurePosixPath(name).suffix.lower(), (".urdf", *SUFFIXES)
+    suffix, known = PurePosixPath(name).suffix.lower(), (".urdf", ".xml", *FORMATS)
     if suffix not in known:
         return f"the file of an object is one of {', '.join(known)}" if suffix or "/" in name else None
-    file = f"{{urdf: {shortened(name)}}}" if suffix == ".urdf" else f"{{mesh: {{file: {shortened(name)}}}}}"
+    key = {".urdf": "urdf", ".xml": "mjcf"}.get(suffix)
+    file = f"{{{key}: {shortened(name)}}}" if key else f"{{mesh: {{file: {shortened(name)}}}}}"
     written = f"--set 'scene.object={file}'" if on_command_line else f"object: {file}"
     return f"for a file write {written}"
 
@@ -38,10 +40,10 @@ def found_object(
         return (catalogue()[thing], ()) if thing in catalogue() else None
     if thing.like is not None and thing.like not in catalogue():
         return None
-    from_file = thing.mesh is not None or thing.urdf is not None
+    from_file = bool(thing.file)
     if from_file and not WORLDS[spec.scene.world].has("edges"):
         return None  # contacts cannot float on it, as has been said
-    path: Path = ("scene", "object", "mesh", "file") if thing.mesh is not None else ("scene", "object", "urdf")
+    path: Path = ("scene", "object", *thing.file)
     complaints.about(path)
     span = document.span(path) if from_file else None
 
@@ -81,10 +83,18 @@ def body_in(folder: SpecFolder, choice: str | InlineObject, warn: Warn) -> Body:
     """
     if isinstance(choice, str):
         return catalogue()[choice]
+    body = _as_described(folder, choice, warn)
+    return replace(body, shape=posed(body.shape, choice.pose))
+
+
+def _as_described(folder: SpecFolder, choice: InlineObject, warn: Warn) -> Body:
+    """The object that a scene describes, in the pose in which its shape or file has it."""
     if choice.mesh is not None:
         return body_of_mesh(choice.mesh, choice.mass, choice.name, folder, warn)
     if choice.urdf is not None:
         return body_of_urdf(choice.urdf, choice.mass, choice.name, folder, warn)
+    if choice.mjcf is not None:
+        return body_of_mjcf(choice.mjcf, choice.mass, choice.name, folder, warn)
     if choice.shape is None:
         known = catalogue()[choice.like or ""]
         return replace(known, name=choice.name or known.name, mass=choice.mass or known.mass)

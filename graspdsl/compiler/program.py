@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import NamedTuple, TypeVar
@@ -13,7 +13,7 @@ from graspdsl.basis.prelude import Definition, prelude
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, span_of
-from graspdsl.compiler.declarations import DEFAULT_WORLD, Declarations, PhaseEntry, declarations_of
+from graspdsl.compiler.declarations import DEFAULT_WORLD, HAND, MOUNT, Declarations, PhaseEntry, declarations_of
 from graspdsl.compiler.definitions import definitions_with, used_in
 from graspdsl.compiler.effects_check import check_effects
 from graspdsl.compiler.graph import controllers_in
@@ -22,15 +22,17 @@ from graspdsl.compiler.object_check import file_hint, found_object
 from graspdsl.compiler.phase import CheckedPhase, conditions_lowered, executable, grasp_of
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.compiler.scene_check import check_scene, check_sensing, hand_for_floating
+from graspdsl.compiler.scene_check import check_mount, check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
 from graspdsl.compiler.surroundings import OBJECT, USUAL, Surroundings
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
-from graspdsl.hands.descriptions import Robot, hands, mounts, robot
+from graspdsl.hands.description_files import DescriptionFileError
+from graspdsl.hands.descriptions import Hand, Mount, Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in, names_a_file
+from graspdsl.hands.hand_files import hand_in, names_a_file
 from graspdsl.hands.mount_check import taken_names
+from graspdsl.hands.mount_files import mount_in
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_expression
 from graspdsl.objects.shapes import Body, catalogue
@@ -45,9 +47,10 @@ from graspdsl.spec.loading import Known, Reading, Written, load_spec_text, read_
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.worlds.kind import WorldKind
-from graspdsl.worlds.kinds import WORLDS, worlds_with
+from graspdsl.worlds.kinds import WORLDS, absence, worlds_with
 
 T = TypeVar("T")
+Read = tuple[T, tuple[Diagnostic, ...]]  # of a file, and warnings
 HERE = FilePath()
 AROUND = "formula.yaml"  # the spec that is written around a formula
 OCTAL = re.compile(r"([-+]?)0{1,50}([0-7]{1,50})")
@@ -165,10 +168,13 @@ def _judged(written: Written, adoption: Adoption, source: Source) -> Examination
     if placed and reading.is_sound("trials"):
         check_trials(spec, document, complaints)
     thing = found_object(spec, document, complaints, folder) if placed else None
+    if thing is not None:
+        spec = spec.before(thing[0].shape.extent[2])
     if check.robot is not None and reading.is_sound("trials"):
         check_start_posture(spec, check.robot, document, complaints)
     if check.robot is not None and placed:
         check_sensing(spec, document, check.robot, complaints)
+        check_mount(spec, document, check.robot, complaints)
     if check.robot is not None and placed and not reading.unread:
         moves = WORLDS[spec.scene.world].has("hand") and check.robot.has_model
         motion = FingertipMotion(check.robot) if moves else None
@@ -240,6 +246,16 @@ def program_of(
     return examination.program
 
 
+def missing_engine(program: Program) -> Diagnostic | None:
+    """What there is to say of a sound spec whose world cannot be made by this Python, at its place; else None."""
+    missing = absence(program.world)
+    if missing is None:
+        return None
+    source, path = program.source, ("scene", "world")
+    document = read_document(source.text, source.name, source.overrides).document
+    return document.attributed(path, replace(missing, span=document.span(path)))
+
+
 def examine_expression(text: str, around: Surroundings = USUAL) -> tuple[CheckedPhase, Robot]:
     """Check a formula outside a spec. Raises DiagnosticError about it, or about the spec written of what is around."""
     complaints, adoption = Complaints(), adopted_in(text)
@@ -294,6 +310,16 @@ def program_of_expression(text: str, around: Surroundings = USUAL) -> Program:
     return Program(Source(written, AROUND), spec, whole, kind, (phase,), catalogue()[OBJECT])
 
 
+def _hand_of_file(files: SpecFolder, name: str) -> Read[Hand]:
+    found = hand_in(files, name)
+    return found.hand, found.warnings
+
+
+def _mount_of_file(files: SpecFolder, name: str) -> Read[Mount]:
+    found = mount_in(files, name)
+    return found.mount, found.warnings
+
+
 class _ProgramCheck:
     def __init__(
         self,
@@ -325,46 +351,45 @@ class _ProgramCheck:
         return self._checker.definitions
 
     def _robot(self) -> Robot | None:
+        """The hand on its mount, if both are known and no name of the one is a name of the other."""
         scene = self._declarations
-        mount = mounts().get(scene.mount or "")
-        if scene.hand is None:
+        hand = self._described(HAND, scene.hand, hands(), _hand_of_file)
+        mount = self._described(MOUNT, scene.mount, mounts(), _mount_of_file)
+        if scene.hand is None or scene.mount is None or hand is None or mount is None:
             return None
-        if names_a_file(scene.hand.text):
-            found = self._hand_of_file(scene.hand)
-            if found is None or mount is None:
-                return None
-            return self._with_names_of_its_own(Robot(hand=found.hand, mount=mount), scene.hand)
-        if not self._named(("scene", "hand"), scene.hand, hands(), "hand") or scene.mount is None:
-            return None
-        known = robot(scene.hand.text, scene.mount)
-        ours = is_built_in(("hands", scene.hand.text)) and is_built_in(("mounts", scene.mount))
-        return known if ours else self._with_names_of_its_own(known, scene.hand)
-
-    def _with_names_of_its_own(self, whole: Robot, hand: SourceText) -> Robot | None:
-        """The robot, if no name of its hand is one of its mount's; complains otherwise."""
+        named = (("hands", scene.hand.text), ("mounts", scene.mount.text))
+        if not any(names_a_file(name) for _, name in named) and all(map(is_built_in, named)):
+            return robot(scene.hand.text, scene.mount.text)
+        whole = Robot(hand=hand, mount=mount)
         taken = tuple(taken_names(whole))
-        self._tell(hand, taken)
+        self._tell(HAND, scene.hand, taken)
         return None if taken else whole
 
-    def _hand_of_file(self, name: SourceText) -> FoundHand | None:
-        """The hand in a file; its faults are reported where the spec names it, each with its place in the file."""
-        self._complaints.about(("scene", "hand"))
-        found: FoundHand | None = None
+    def _described(
+        self, path: Path, name: SourceText | None, known: Mapping[str, T], read: Callable[[SpecFolder, str], Read[T]]
+    ) -> T | None:
+        """A hand or a mount of the catalogue, or of a file; the faults of a file are reported where the spec names it,
+        each with its place in the file."""
+        if name is None:
+            return None
+        if not names_a_file(name.text):
+            return known[name.text] if self._named(path, name, known, str(path[-1])) else None
+        self._complaints.about(path)
+        found: T | None = None
         faults: tuple[Diagnostic, ...] = ()
         try:
-            found = hand_in(self._files, name.text)
-            faults = found.warnings
+            found, faults = read(self._files, name.text)
         except DiagnosticError as error:
             for fault in error.diagnostics:
                 self._complaints.error(fault.code, fault.message, span_of(name), fault.hint)
-        except HandFileError as error:
+        except DescriptionFileError as error:
             faults = error.diagnostics
-        self._tell(name, faults)
+        self._tell(path, name, faults)
         return found
 
-    def _tell(self, name: SourceText, faults: Iterable[Diagnostic]) -> None:
-        """Report faults of a hand file where the spec names it, each with its place in the file."""
-        self._complaints.about(("scene", "hand"))
+    def _tell(self, path: Path, name: SourceText, faults: Iterable[Diagnostic]) -> None:
+        """Report faults of a file where the spec names it, each with its place in the file."""
+        self._complaints.about(path)
         for fault in told_of(name.text, faults):
             self._complaints.add(replace(fault, span=span_of(name)))
 

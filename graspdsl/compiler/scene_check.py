@@ -20,6 +20,7 @@ from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 START: Path = ("trials", "start")
+PHYSICS: Path = ("scene", "physics")
 DEVIATIONS = 4.0  # of the noise of a reading that a touch should begin above
 
 
@@ -57,6 +58,21 @@ def check_sensing(spec: Spec, document: Document, robot: Robot, complaints: Comp
         complaints.warning("threshold-in-noise", message, document.span(path), hint)
 
 
+def check_mount(spec: Spec, document: Document, robot: Robot, complaints: Complaints) -> None:
+    """Complain about an object that a mount which holds objects does not hold."""
+    thing = spec.scene.object
+    if (
+        robot.mount.holds
+        and WORLDS[spec.scene.world].has("hand")
+        and not (isinstance(thing, InlineObject) and thing.fixed)
+    ):
+        path: Path = ("scene", "object")
+        complaints.about(path)
+        message = f"another hand of the mount {robot.mount.mount} holds the object, which is not fixed here"
+        hint = "fix it to that hand: object: {like: ball, fixed: true}"
+        complaints.error("not-held", message, document.span(path), hint)
+
+
 def hand_for_floating(scene: Declarations) -> str | None:
     """The hint for a scene of floating contacts that names no hand: which hands are bare contacts; else None."""
     world = WORLDS.get(scene.world or "")
@@ -75,6 +91,7 @@ class _Check:
 
     def all(self) -> None:
         self._without_effect()
+        self._time_step()
         self._shape()
         self._hand()
         self._evaluation()
@@ -88,6 +105,15 @@ class _Check:
             hint = f"use {ways}" if len(self._world.approaches) > 1 else f"write approach: {ways}, or leave it out"
             message = f"the {self._world.name} world has no start {chosen!r}"
             self._error("start-not-in-world", message, (*START, "approach"), hint)
+
+    def _time_step(self) -> None:
+        """A tick is a whole number of steps of physics."""
+        world, effort = self._world, self._world.effort_in(self._spec.scene.physics)
+        if effort is None or effort.divides(world.rate):
+            return
+        message = f"a tick of the {world.name} world, {1.0 / world.rate:g} s, is no whole number of these steps"
+        near = 1.0 / (world.rate * max(1, effort.steps(world.rate)))
+        self._error("time-step-not-in-tick", message, (*PHYSICS, "time_step"), f"use {near:.5g}")
 
     def _without_effect(self) -> None:
         """Warn of settings that the scene passes over."""
@@ -104,6 +130,8 @@ class _Check:
         gravity: Path = ("scene", "gravity")
         if (weightless := self._world.lacks.get("weight")) and self._document.has(gravity):
             self._warn(f"gravity has no effect: {weightless}", gravity)
+        if self._world.effort is None and self._document.has(PHYSICS):
+            self._warn(f"physics has no effect: the {self._world.name} world has no physics to be chosen", PHYSICS)
         friction: Path = ("scene", "friction")
         why = self._world.lacks.get("friction")
         rubs = self._spec.grading.contact != "frictionless"

@@ -18,7 +18,7 @@ from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
 from graspdsl.objects.shape import convex_parts
 from graspdsl.objects.shapes import Body
-from graspdsl.objects.standing import STANDING, fall_of
+from graspdsl.objects.standing import STANDING, fall_of, pose_at_rest
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.distributions import Choice, Normal, Uniform, numbers_of
 from graspdsl.spec.models import Spec
@@ -101,7 +101,7 @@ class _Sizes:
         if max(extent) < SHORTEST:  # it has had its complaint
             return
         if max(extent) > min(TABLE_SIZE[:2]):
-            if not (isinstance(self._thing, InlineObject) and (self._thing.mesh or self._thing.urdf)):  # told already
+            if not (isinstance(self._thing, InlineObject) and self._thing.file):  # told already
                 about = f"the object is {max(extent):.3g} m long, where the table is {min(TABLE_SIZE[:2]):g} m wide"
                 self._warn_of_object("object-size", about, "lengths are in metres")
             return
@@ -114,11 +114,18 @@ class _Sizes:
         if self._body.shape.rests:
             return False
         fall = math.degrees(fall_of(self._body.shape))
+        lies = pose_at_rest(self._body.shape) if fall > 0.0 else None
         if fall > STANDING:
             self._warn_of_object(
                 "object-falls",
                 f"the object does not stand: put on the table as it is, it tips over by {fall:.0f}°",
-                "put it on a broader side, or add 'fixed: true' to the object",
+                f"write '{lies}'" if lies else "put it on a broader side, or add 'fixed: true' to the object",
+            )
+        elif fall > 0.0:
+            self._warn_of_object(
+                "object-tips",
+                f"put on the table as it is, the object tips by {fall:.1f}°, and every trial begins with it at rest so",
+                f"to put it down so, write '{lies}'" if lies else "make its foot even",
             )
         return fall > STANDING
 

@@ -10,15 +10,13 @@ import numpy as np
 from graspdsl.contracts.described import faults_of, is_named, is_told
 from graspdsl.contracts.rule import Breach, contract
 from graspdsl.contracts.standing_robots import taken_up
-from graspdsl.diagnostics import Diagnostic
 from graspdsl.hands.descriptions import Hand, Robot, joint_limits, mounts
 from graspdsl.hands.fingertip_check import fingertip_complaints
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.hands.hand_check import faults
-from graspdsl.hands.model_meshes import meshes_of
 from graspdsl.hands.mount_check import taken_names
-from graspdsl.hands.robot_model import robot_model
-from graspdsl.places.document import Document
+from graspdsl.models.model import Model
+from graspdsl.models.reading import model_in
 from graspdsl.places.files import SpecFolder
 
 MOUNT = "gantry"  # which carries each hand
@@ -41,21 +39,14 @@ def model(hand: Hand) -> Iterator[Breach]:
     """The model can be read, and bears out what the hand file says: links, joints, couplings, cells, postures."""
     if not hand.urdf:
         return
-    found = robot_model(hand.model.encode(), hand.urdf, hand.root)
-    yield from faults_of(hand, lambda document: faults(hand, found, document))
+    yield from faults_of(hand, lambda document: faults(hand, _model(hand), document))
 
 
 def fingertips(hand: Hand) -> Iterator[Breach]:
     """The declared shapes of the fingertips are those of the model, as far as that can be told."""
     if not hand.urdf:
         return
-
-    def check(document: Document) -> list[Diagnostic]:
-        found = robot_model(hand.model.encode(), hand.urdf, hand.root)
-        meshes = meshes_of(SpecFolder(Path("/")), hand.urdf, found)
-        return [*meshes.complaints, *fingertip_complaints(hand, found, meshes.corners, document)]
-
-    yield from faults_of(hand, check)
+    yield from faults_of(hand, lambda document: list(fingertip_complaints(hand, _model(hand), document)))
 
 
 def postures(hand: Hand) -> Iterator[Breach]:
@@ -135,6 +126,10 @@ RULES = contract(
 def _is_robot(hand: Hand) -> bool:
     """Whether it has a model, whose names do not clash with those of its mount: that is a rule of its own."""
     return bool(hand.urdf) and not any(taken_names(_robot(hand)))
+
+
+def _model(hand: Hand) -> Model:
+    return model_in(hand.model.encode(), SpecFolder(Path("/")), f"/{hand.urdf}", hand.root)
 
 
 def _robot(hand: Hand) -> Robot:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +14,8 @@ from graspdsl.hands.descriptions import Mount, Robot, hands, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.hands.mount_check import taken_names
 from graspdsl.hands.mount_files import mount_faults
-from graspdsl.hands.robot_model import robot_model
+from graspdsl.models.reading import model_in
+from graspdsl.places.files import SpecFolder
 
 HAND = "barrett"  # which each mount has to carry
 FELT = 1e-9  # m or rad, of a joint that moves what it carries
@@ -31,7 +33,7 @@ def told(mount: Mount) -> Iterator[Breach]:
 
 def model(mount: Mount) -> Iterator[Breach]:
     """The model can be read, and bears out what the mount file says: the face, the joints, their limits, the sets."""
-    found = robot_model(mount.model.encode(), mount.urdf, "")
+    found = model_in(mount.model.encode(), SpecFolder(Path("/")), f"/{mount.urdf}")
     yield from faults_of(mount, lambda document: mount_faults(mount, found, document))
 
 

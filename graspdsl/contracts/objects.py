@@ -13,6 +13,7 @@ from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import fall_of
 from graspdsl.spec.scene import GRAVITY
 from graspdsl.worlds.kind import TABLE_FRICTION
+from graspdsl.worlds.kinds import rigid_bodies
 from graspdsl.worlds.protocol import TABLE_SIZE, UnstableObjectError
 
 LIGHTEST, HEAVIEST = 1.0, 23_000.0  # kg/m³: foam, osmium
@@ -69,10 +70,11 @@ def standing(body: Body) -> Iterator[Breach]:
 
 def rest(body: Body) -> Iterator[Breach]:
     """The engine brings it to rest on the table."""
-    from graspdsl.worlds.bullet.settling import resting_pose
+    from graspdsl.worlds.rigid.settling import resting_pose
 
+    kind = rigid_bodies()
     try:
-        resting_pose(body, TABLE_FRICTION, GRAVITY)
+        resting_pose(kind.engine(kind.effort), body, TABLE_FRICTION, GRAVITY)
     except UnstableObjectError as error:
         yield str(error), "turn it, or give it a broader foot"
 

@@ -1,4 +1,4 @@
-"""A robot in the bullet world: whether it takes up a start, and keeps still there."""
+"""A robot in a world of rigid bodies: whether it takes up a start, and keeps still there."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.sensing import Exact
 from graspdsl.worlds.kind import Anchor, WorldSettings
-from graspdsl.worlds.kinds import WORLDS
+from graspdsl.worlds.kinds import rigid_bodies
 from graspdsl.worlds.protocol import Command, InfeasibleStartError, Start
 from graspdsl.worlds.start_pose import pose
 
@@ -36,7 +36,7 @@ def taken_up(robot: Robot) -> Iterator[Breach]:
     widest = min(WIDEST, max(NARROWEST, float(FingertipMotion(robot).openings()[:, 0].max(initial=0.0))))
     for width in WIDTHS:
         body = Body("cylinder", Cylinder(diameter=width * widest, height=HEIGHT), 0.3)
-        world = WORLDS["bullet"].make(WorldSettings(robot, body, 0.4, Exact(), Anchor.WORLD))
+        world = rigid_bodies().make(WorldSettings(robot, body, 0.4, Exact(), Anchor.WORLD))
         for roll, standoff in product(ROLLS, STANDOFFS):
             try:
                 seen = world.reset(_start(robot, body, roll, float(standoff)), 0)

@@ -6,21 +6,25 @@ there, so that nothing in the code knows the Barrett hand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Self
 from xml.etree import ElementTree
 
+import numpy as np
 import yaml
 from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
-from graspdsl.hands.fingertips import Angles, CapsuleTip, EllipsoidTip, FingertipShape, Place, SphereTip
-from graspdsl.places.fields import Count, Metres, Model, Number
+from graspdsl.angles import turned_by_angles
+from graspdsl.arrays import Array
+from graspdsl.hands.fingertips import Angles, CapsuleTip, Directed, EllipsoidTip, FingertipShape, Place, SphereTip
+from graspdsl.places.fields import Count, Metres, Model, Number, fault
 from graspdsl.spec.models import folder_name
 
 HERE = Path(__file__).parent
 ALL = "all"  # the set of all joints of a robot
+UP = (0.0, 0.0, 1.0)
 MOUNTING = "mounting"  # the joint between its mount and its hand
 
 JointNames = Annotated[tuple[str, ...], Field(min_length=1)]
@@ -34,20 +38,23 @@ class Joint(Model):
 
 
 class Coupling(Model):
-    """A joint that follows an actuated one: angle = ratio · angle of ``follows``."""
+    """A joint that follows an actuated one: place = ratio · place of ``follows`` + offset [rad or m]."""
 
     follows: str
     ratio: Number = Field(ge=-100.0, le=100.0)
+    offset: Number = Field(0.0, ge=-100.0, le=100.0)
 
 
 class Contact(Model):
-    """A fingertip: its link, the load cell's fixed joint before it, its one shape.
+    """A fingertip: its link, the load cell's fixed joint before it, its one shape; or the link that it is put ``onto``,
+    in place of what of that touches, behind a load cell of its own.
 
     A contact of a hand without a model has none of these.
     """
 
     link: str = ""
     cell: str = ""
+    onto: str = ""
     sphere: SphereTip | None = None
     ellipsoid: EllipsoidTip | None = None
     capsule: CapsuleTip | None = None
@@ -58,9 +65,21 @@ class Contact(Model):
     @model_validator(mode="after")
     def _one_shape(self) -> Contact:
         shapes = [shape for shape in (self.sphere, self.ellipsoid, self.capsule) if shape is not None]
-        if len(shapes) != bool(self.link):
-            raise ValueError("a fingertip with a link has exactly one shape: sphere, ellipsoid or capsule")
+        if self.onto and (self.link or self.cell):
+            message = "a fingertip is a link of the model, or is put onto one"
+            raise fault("wrong-form", message, "keep link and cell, or onto")
+        if shapes and not self.host:
+            message = "the fingertip has a shape and no link"
+            raise fault("missing-key", message, "name link and cell, or the link that it is put onto, by onto")
+        if len(shapes) != bool(self.host):
+            message = f"a fingertip has exactly one shape: sphere, ellipsoid or capsule, found {len(shapes)}"
+            raise fault("wrong-form", message, "for example sphere: {centre: [0.0, 0.0, 0.0], radius: 0.01}")
         return self
+
+    @property
+    def host(self) -> str:
+        """The link of the model that the fingertip is, or is put onto."""
+        return self.link or self.onto
 
     @property
     def shape(self) -> FingertipShape:
@@ -98,16 +117,28 @@ class Hand(Described):
     mjcf: str = Field("", max_length=1000)
     root: str = ""
     palm: str = ""
-    palm_surface: Metres = Field(0.0, ge=-1.0, le=1.0, description="m ahead of the mounting face, along its z axis")
+    palm_normal: Directed = Field(UP, description="where the palm faces, in the frame of the root")
+    palm_across: Directed | None = Field(None, description="laid along an object's axis, from finger to finger")
+    palm_centre: Place = Field((0.0, 0.0, 0.0), description="m, in the frame of the root: faces an object")
+    palm_surface: Metres = Field(0.0, ge=-1.0, le=1.0, description="m from the palm's centre, along its normal")
     joints: dict[str, Joint] = Field(default={})
     couplings: dict[str, Coupling] = Field(default={})
     contacts: dict[str, Contact] = Field(min_length=1)
     joint_sets: dict[str, JointNames] = Field(default={})
     postures: dict[str, dict[str, Number]] = Field(default={})
 
+    @model_validator(mode="after")
+    def _two_directions(self) -> Hand:
+        if self.palm_across is not None:
+            between = np.cross(self.palm_normal, self.palm_across)
+            if np.linalg.norm(between) < 1e-3 * np.linalg.norm(self.palm_normal) * np.linalg.norm(self.palm_across):
+                hint = "name the direction in which its fingers are side by side"
+                raise fault("zero-axis", "palm_across is along the palm's normal", hint)
+        return self
 
-class Base(Model):
-    """Where an arm stands in the world: the pose of its URDF's root, position [m] and fixed-axis angles [rad]."""
+
+class Pose(Model):
+    """A pose in another frame: position [m] and fixed-axis angles [rad]."""
 
     position: Place = (0.0, 0.0, 0.0)
     rpy: Angles = (0.0, 0.0, 0.0)
@@ -116,17 +147,24 @@ class Base(Model):
 class Mount(Described):
     """A mount description file: what carries the hand.
 
-    With a ``base`` it is an arm that stands there and reaches for the start pose. Without, its root stands wherever a
-    trial starts, all its joints at zero.
+    With a ``base``, the pose of its root in the world, it is an arm that stands there and reaches for the start pose.
+    Without, its root stands wherever a trial starts, all its joints at zero. ``face``: the link that the hand is fixed
+    to, or one with the face at the pose ``face_at``. ``still``: joints of the model that keep where they are [rad or
+    m]. ``holds``: the link, that no joint moves, on which an object stands instead of on a table, or one with that
+    place at the pose ``holds_at``; the place is the origin of the world, z up.
     """
 
     mount: Annotated[str, AfterValidator(folder_name)]
     about: str = Field("", max_length=1000)
-    urdf: str = Field(min_length=1, max_length=1000)
-    face: str
-    base: Base | None = None
-    joints: dict[str, Joint]
+    mjcf: str = Field("", max_length=1000)
+    face: str = ""
+    face_at: Pose | None = None
+    base: Pose | None = None
+    joints: dict[str, Joint] = Field(default={})
+    still: dict[str, Number] = Field(default={})
     joint_sets: dict[str, JointNames] = Field(default={})
+    holds: str = ""
+    holds_at: Pose | None = None
 
 
 class Robot(Model):
@@ -195,6 +233,12 @@ def mounts() -> dict[str, Mount]:
     return {name: Mount.model_validate(document) for name, document in _catalogue("mount")}
 
 
+def base_pose(mount: Mount) -> tuple[Array, Array]:
+    """Where the root of an arm stands: position (3,) [m] and rotation (3, 3). One without a base is at the origin."""
+    base = mount.base or Pose()
+    return np.array(base.position), turned_by_angles(base.rpy)
+
+
 def joint_limits(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Lower and upper limits [m or rad] of a robot's joints in command order, as its URDFs say."""
     limits = {name: joint.find("limit") for name, joint in _joints_in(robot).items()}
@@ -206,6 +250,16 @@ def joint_units(robot: Robot) -> dict[str, str]:
     """The units of a robot's joints in command order, as its URDFs say: m for a slide, else rad."""
     slides = {name for name, joint in _joints_in(robot).items() if joint.get("type") == "prismatic"}
     return {name: "m" if name in slides else "rad" for name in robot.joints}
+
+
+def coupling_of(robot: Robot, moving: Sequence[str]) -> Array:
+    """(m, n): where all m joints that move are, out of where the n driven ones are in command order."""
+    order = {name: column for column, name in enumerate(robot.joints)}
+    coupling = np.zeros((len(moving), len(order)))
+    for row, name in enumerate(moving):
+        coupled = robot.hand.couplings.get(name)
+        coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
+    return coupling
 
 
 def _joints_in(robot: Robot) -> dict[str, ElementTree.Element]:

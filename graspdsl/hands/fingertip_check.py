@@ -2,71 +2,49 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
-from xml.etree import ElementTree
+from collections.abc import Iterator
 
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
-from graspdsl.basis.rotations import exponential
 from graspdsl.diagnostics import Diagnostic, Severity, listed
-from graspdsl.hands.articulated_inertia import axis_of, mass_of, pose_of
 from graspdsl.hands.completion import finger_of
 from graspdsl.hands.descriptions import Contact, Hand
-from graspdsl.hands.fingertips import reach
-from graspdsl.hands.robot_model import RobotModel
-from graspdsl.hands.urdf_rules import FIXED, ROTATING
+from graspdsl.hands.fingertips import directions_around, reach
+from graspdsl.models.model import FIXED, ROTATING, Link, Model, Solid
 from graspdsl.places.document import Document
 
 DIRECTIONS = 4000  # about 3 degrees apart
-PORTIONS = 128  # of them, for each of which all corners of a mesh are looked at together
 EQUAL = 1e-6  # m, between two spheres or two capsules: files have few digits
 # m, between a round shape and what stands for it, as facets do: a fingertip gives way by as much under 1 N.
 ALIKE = 2.0 / 3.0 * 1e-3
-MESHES = "collision/geometry/mesh"
 STILL = 1e-9  # m per rad or m: no motion
 
 
-def fingertip_complaints(
-    hand: Hand, model: RobotModel, corners: Mapping[str, Array], document: Document
-) -> Iterator[Diagnostic]:
+def fingertip_complaints(hand: Hand, model: Model, document: Document) -> Iterator[Diagnostic]:
     """What of a hand's fingertips its model does not bear out.
 
     A declared shape reaches h(n) = max n · p over its points p along a unit vector n, and so does the collision
     geometry of its link: a flat or gently curved object with the normal −n touches there first. They must agree where
     the fingertip is to touch: in each direction n with n · v ≥ 0, where v is the way in which the closing joints of its
     finger move it, and in which it reaches beyond the link that it is fixed to, or away from the joint that moves it.
-    Joints are where they are nearest to 0.
-
-    corners: the corners (c, 3) of each collision mesh by its name in the model. A link without collision geometry
-    is nothing to compare: worlds give it the declared shape. Nor is one of a finger with other faults.
+    Joints are where they are nearest to 0. A link without collision geometry is nothing to compare: worlds give it the
+    declared shape.
     """
-    check = _Check(model, corners, document)
-    sound = {name: contact for name, contact in hand.contacts.items() if check.is_sound(contact)}
-    yield from check.masses(sound)
-    for name, contact in sound.items():
+    check = _Check(model, document)
+    known = {name: contact for name, contact in hand.contacts.items() if contact.link in model.links}
+    yield from check.masses(known)
+    for name, contact in known.items():
         yield from check.fingertip(name, contact, hand)
 
 
 class _Check:
-    def __init__(self, model: RobotModel, corners: Mapping[str, Array], document: Document) -> None:
-        self._model, self._corners, self._document = model, corners, document
-        self._links = {link.get("name", ""): link for link in model.tree.iterfind("link")}
-        self._made = {joint.get("name", ""): joint for joint in model.tree.iterfind("joint")}
+    def __init__(self, model: Model, document: Document) -> None:
+        self._model, self._document = model, document
 
-    def is_sound(self, contact: Contact) -> bool:
-        """Whether the links and joints from the root to a fingertip are as the model has them."""
-        movers = self._model.movers(contact.link)
-        links = [contact.link, *(self._model.joints[name].parent for name in movers)]
-        return not self._model.unsound & {*movers, *links} and all(
-            link in self._links and all(m.get("filename") in self._corners for m in self._links[link].iterfind(MESHES))
-            for link in links
-        )
-
-    def masses(self, contacts: Mapping[str, Contact]) -> Iterator[Diagnostic]:
+    def masses(self, contacts: dict[str, Contact]) -> Iterator[Diagnostic]:
         """One warning of all fingertips without mass."""
-        light = [name for name, contact in contacts.items() if mass_of(self._links[contact.link]) == 0.0]
+        light = [name for name, contact in contacts.items() if self._model.links[contact.link].mass == 0.0]
         if light:
             message = f"the model gives no mass to the fingertips {listed(light)}: they have no weight"
             hint = f"where that is not meant, give {contacts[light[0]].link} an <inertial> in the model"
@@ -75,7 +53,7 @@ class _Check:
     def fingertip(self, name: str, contact: Contact, hand: Hand) -> Iterator[Diagnostic]:
         kind = "sphere" if contact.sphere else "capsule" if contact.capsule else "ellipsoid"
         path = ("contacts", name, kind)
-        link = self._links[contact.link]
+        link = self._model.links[contact.link]
         ahead = self._ahead(contact, hand)
         declared = reach(contact.shape, ahead)
         outward, above = self._outward(contact, ahead, declared)
@@ -88,7 +66,7 @@ class _Check:
         if found is None:
             return
         apart = np.where(outward, np.abs(declared - found), 0.0)
-        shapes = [shape.tag for shape in link.iterfind("collision/geometry/*")]
+        shapes = [solid.kind for solid in _touching(link)]
         worst = int(np.argmax(apart))
         if apart[worst] <= (EQUAL if shapes == [kind] else ALIKE):
             return
@@ -101,13 +79,13 @@ class _Check:
         )
         yield self._said("other-fingertip", message, path, self._hint(link, contact.link))
 
-    def _hint(self, link: ElementTree.Element, name: str) -> str:
+    def _hint(self, link: Link, name: str) -> str:
         """The shape to declare where that is plain."""
         other = f"or name a link without collision geometry, fixed to {name}: it is given the declared shape"
-        shapes = link.findall("collision")
-        if len(shapes) == 1 and (ball := shapes[0].find("geometry/sphere")) is not None:
-            x, y, z = pose_of(shapes[0])[0].tolist()
-            return f"declare sphere: {{centre: [{x:.6g}, {y:.6g}, {z:.6g}], radius: {ball.get('radius')}}}, {other}"
+        match _touching(link):
+            case [Solid(kind="sphere", sizes=(radius,), frame=frame)]:
+                x, y, z = frame.place.tolist()
+                return f"declare sphere: {{centre: [{x:.6g}, {y:.6g}, {z:.6g}], radius: {radius:g}}}, {other}"
         return f"declare the shape that the model has, {other}"
 
     def _ahead(self, contact: Contact, hand: Hand) -> Array:
@@ -120,11 +98,11 @@ class _Check:
             if driven not in finger or driven not in hand.joints:
                 continue
             place, rotation = self._pose(contact.link, self._model.joints[name].child)
-            axis = rotation @ axis_of(self._made[name])
+            axis = rotation @ self._model.joints[name].axis
             lever = np.array(contact.shape.centre) - place
             turns = self._model.joints[name].kind in ROTATING
             motion += hand.joints[driven].closes * ratio * (np.cross(axis, lever) if turns else axis)
-        directions = _directions(DIRECTIONS)
+        directions = directions_around(DIRECTIONS)
         return directions if np.linalg.norm(motion) < STILL else directions[directions @ motion >= 0.0]
 
     def _pose(self, link: str, other: str) -> tuple[Array, Array]:
@@ -133,13 +111,8 @@ class _Check:
         at = {joint.child: name for name, joint in self._model.joints.items()}
         while link != other:
             joint = self._model.joints[at[link]]
-            moved, turned = pose_of(self._made[at[link]])
             low, high = joint.limits or (0.0, 0.0)
-            axis = axis_of(self._made[at[link]]) * min(max(0.0, low), high)
-            if joint.kind in ROTATING:
-                turned = turned @ exponential(axis)
-            elif joint.kind != FIXED:
-                moved = moved + turned @ axis
+            moved, turned = joint.at(min(max(0.0, low), high))
             # What is at p in the frame of the child is at moved + turned p in that of its parent.
             place, rotation = place - rotation @ turned.T @ moved, rotation @ turned.T
             link = joint.parent
@@ -155,36 +128,16 @@ class _Check:
         while at in above and above[at].kind == FIXED:
             at = above[at].parent
             place, rotation = self._pose(contact.link, at)
-            far = self._reach(self._links[at], ahead @ rotation)
+            far = self._reach(self._model.links[at], ahead @ rotation)
             if far is not None:
                 return declared > far + ahead @ place, at
         return ahead @ (np.array(contact.shape.centre) - self._pose(contact.link, at)[0]) >= 0.0, at
 
-    def _reach(self, link: ElementTree.Element, directions: Array) -> Array | None:
+    def _reach(self, link: Link, directions: Array) -> Array | None:
         """How far (d,) [m] the collision geometry of a link reaches along directions (d, 3), both in the link's frame;
         None where it has none."""
-        found = [
-            directions @ place + self._reach_of(shape, directions @ rotation)
-            for collision in link.iterfind("collision")
-            for place, rotation in [pose_of(collision)]
-            for shape in collision.iterfind("geometry/*")
-        ]
+        found = [solid.reach(directions) for solid in _touching(link)]
         return np.max(found, axis=0) if found else None
-
-    def _reach_of(self, shape: ElementTree.Element, along: Array) -> Array:
-        numbers = {key: np.array(shape.get(key, "").split(), dtype=float) for key in shape.attrib if key != "filename"}
-        match shape.tag:
-            case "box":
-                return np.asarray(np.abs(along) @ numbers["size"] / 2.0)
-            case "sphere":
-                return np.full(len(along), numbers["radius"][0])
-            case "cylinder":
-                across = np.hypot(along[:, 0], along[:, 1])
-                return np.asarray(numbers["length"] / 2.0 * np.abs(along[:, 2]) + numbers["radius"] * across)
-            case "capsule":
-                return np.asarray(numbers["length"] / 2.0 * np.abs(along[:, 2]) + numbers["radius"])
-        corners = np.unique(self._corners[shape.get("filename", "")] * numbers.get("scale", 1.0), axis=0)
-        return np.concatenate([(some @ corners.T).max(axis=1) for some in np.array_split(along, PORTIONS)])
 
     def _said(
         self, code: str, message: str, path: tuple[str, ...], hint: str, severity: Severity = Severity.ERROR
@@ -192,9 +145,5 @@ class _Check:
         return Diagnostic(code, message, span=self._document.key_span(path), hint=hint, severity=severity)
 
 
-def _directions(count: int) -> Array:
-    """Unit vectors (count, 3), spread evenly on a spiral of golden angles."""
-    heights = (2.0 * np.arange(count) + 1.0) / count - 1.0
-    angles = np.pi * (3.0 - math.sqrt(5.0)) * np.arange(count)
-    widths = np.sqrt(1.0 - heights**2)
-    return np.column_stack([widths * np.cos(angles), widths * np.sin(angles), heights])
+def _touching(link: Link) -> list[Solid]:
+    return [solid for solid in link.solids if solid.touches]

@@ -13,10 +13,10 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
-from graspdsl.hands.articulated_inertia import axis_of, pose_of
-from graspdsl.hands.descriptions import Robot, joint_limits
+from graspdsl.hands.descriptions import Robot, coupling_of, joint_limits
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape
-from graspdsl.hands.urdf_rules import FIXED, ROTATING
+from graspdsl.models.model import FIXED, ROTATING
+from graspdsl.models.urdf_text import axis_of, pose_of
 
 POSTURES, FINE = 9, 40  # from open to closed
 ARM_POSTURES = 16  # over the ranges of the joints of an arm
@@ -55,7 +55,7 @@ class _Mover:
 
 @dataclass(frozen=True, slots=True)
 class LinkMotion:
-    """A fingertip's link where some joints put it: origin (..., 3) [m] and rotation (..., 3, 3) in the frame of the
+    """A link where some joints put it: origin (..., 3) [m] and rotation (..., 3, 3) in the frame of the
     robot's root. ``axes``: the joints before it, each with its place and its axis (..., 3) there."""
 
     origin: Array
@@ -98,12 +98,9 @@ class FingertipMotion:
             [0.0] if limit is None else [float(limit.get(end, "0")) for end in ("lower", "upper")] for limit in limits
         ]
         self._travels = [max(map(abs, places)) for places in ends]
-        order = {name: column for column, name in enumerate(robot.joints)}
-        self._coupling = np.zeros((len(moving), len(order)))
-        for name, row in self._rows.items():
-            coupled = robot.hand.couplings.get(name)
-            self._coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
+        self._coupling = coupling_of(robot, list(self._rows))
         self._chains = [list(self._chain(contact.link, elements)) for contact in robot.hand.contacts.values()]
+        self._face = list(self._chain(robot.mount.face, elements))
 
     def _chain(self, link: str, elements: list[ElementTree.Element]) -> Iterator[_Mover]:
         """The joints from the robot's root to a link."""
@@ -141,6 +138,10 @@ class FingertipMotion:
     def links(self, joints: Array) -> list[LinkMotion]:
         """The fingertips' links at joints (..., n), in the frame of the robot's root."""
         return [self._link(chain, joints @ self._coupling.T)[0] for chain in self._chains]
+
+    def face(self, joints: Array) -> LinkMotion:
+        """The mounting face at joints (..., n), in the frame of the robot's root."""
+        return self._link(self._face, joints @ self._coupling.T)[0]
 
     def _moved(self, joints: Array) -> tuple[Array, Array, Array]:
         """The fingertips' centres (..., k, 3) [m] at joints (..., n), in the frame of the hand's root, and their linear

@@ -6,7 +6,7 @@ import math
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field
 
 from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
@@ -17,7 +17,17 @@ Coordinate = Annotated[Metres, Field(ge=-2.0, le=2.0)]
 Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], exactly(3, "[x, y, z]: a place (m)")]
 Angle = Annotated[Number, Unit("rad"), Field(ge=-2 * math.pi, le=2 * math.pi)]
 Angles = Annotated[tuple[Angle, Angle, Angle], exactly(3, "[roll, pitch, yaw]: three angles (rad)")]
-Direction = Annotated[tuple[Number, Number, Number], exactly(3, "[x, y, z]: a direction")]
+
+
+def _with_a_length(direction: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not 1e-6 < max(map(abs, direction)) < 1e6:
+        raise fault("zero-axis", "a direction is needed here", "for example [1, 0, 0]")
+    return direction
+
+
+Directed = Annotated[
+    tuple[Number, Number, Number], exactly(3, "[x, y, z]: a direction"), AfterValidator(_with_a_length)
+]
 
 
 class SphereTip(Model):
@@ -41,13 +51,7 @@ class CapsuleTip(Model):
     centre: Place = (0.0, 0.0, 0.0)
     radius: Size
     length: Size
-    axis: Direction = (1.0, 0.0, 0.0)
-
-    @model_validator(mode="after")
-    def _has_a_direction(self) -> CapsuleTip:
-        if not 1e-6 < max(map(abs, self.axis)) < 1e6:
-            raise fault("zero-axis", "the axis of a capsule needs a direction", "for example [1, 0, 0]")
-        return self
+    axis: Directed = (1.0, 0.0, 0.0)
 
 
 FingertipShape = SphereTip | EllipsoidTip | CapsuleTip
@@ -64,3 +68,11 @@ def reach(shape: FingertipShape, directions: Array) -> Array:
             axis = np.array(shape.axis) / np.linalg.norm(shape.axis)
             reached = shape.radius + shape.length / 2.0 * np.abs(directions @ axis)
     return np.asarray(directions @ np.array(shape.centre) + reached)
+
+
+def directions_around(count: int) -> Array:
+    """Unit vectors (count, 3), spread evenly on a spiral of golden angles."""
+    heights = (2.0 * np.arange(count) + 1.0) / count - 1.0
+    angles = np.pi * (3.0 - math.sqrt(5.0)) * np.arange(count)
+    widths = np.sqrt(1.0 - heights**2)
+    return np.column_stack([widths * np.cos(angles), widths * np.sin(angles), heights])

@@ -9,15 +9,14 @@ from pydantic_core import PydanticCustomError
 from graspdsl.diagnostics import Diagnostic, Severity, known_names_hint, listed
 from graspdsl.hands.completion import finger_of, open_and_closed
 from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
-from graspdsl.hands.model_joints import origin_of_motion
-from graspdsl.hands.robot_model import RobotModel
-from graspdsl.hands.urdf_rules import CONTINUOUS, FIXED, HINGES
+from graspdsl.hands.fitted import ROUNDING, coupled_range, is_slightly_beyond
+from graspdsl.models.model import CONTINUOUS, FIXED, HINGES, Model
 from graspdsl.places.document import Document, Path
 from graspdsl.places.wording import shortened
 from graspdsl.spec.models import folder_name
 
 
-def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic]:
+def faults(hand: Hand, model: Model, document: Document) -> list[Diagnostic]:
     """What a hand file says that its model does not bear out, and warnings of what is passed over."""
     check = _Check(hand, model, document)
     return [
@@ -33,7 +32,7 @@ def faults(hand: Hand, model: RobotModel, document: Document) -> list[Diagnostic
 
 
 class _Check:
-    def __init__(self, hand: Hand, model: RobotModel, document: Document) -> None:
+    def __init__(self, hand: Hand, model: Model, document: Document) -> None:
         self._hand, self._model, self._document = hand, model, document
 
     def names(self) -> Iterator[Diagnostic]:
@@ -75,7 +74,7 @@ class _Check:
             yield from self._passed_over(name)
         spoken_for = {*self._hand.joints, *self._hand.couplings}
         # A name that is not there is most likely one of those left out, misspelt.
-        for name in sorted(movable - spoken_for - self._model.unsound) if spoken_for <= {*self._model.joints} else ():
+        for name in sorted(movable - spoken_for) if spoken_for <= {*self._model.joints} else ():
             message = f"the joint {name} of the model moves, but is neither among the joints nor coupled to one"
             yield self._error(
                 "joint-left-out", message, ("joints",), "list it, couple it, or make it fixed in the model"
@@ -93,8 +92,6 @@ class _Check:
 
     def _movable(self, name: str, path: Path, movable: Collection[str], coupled: bool = False) -> Iterator[Diagnostic]:
         joint = self._model.joints.get(name)
-        if name in self._model.unsound:
-            return
         if joint is None:
             yield self._unknown("joint", name, path, movable, key=True)
         elif joint.kind not in HINGES:
@@ -121,22 +118,33 @@ class _Check:
             elif coupling.ratio == 0.0:
                 yield self._error("wrong-coupling", f"{name} never moves: its ratio is 0", (*path, "ratio"), None)
             else:
-                yield from self._coupled_range(name, coupling.follows, coupling.ratio)
+                yield from self._coupled_range(name, coupling)
                 yield from self._mimicked(name, coupling)
 
-    def _coupled_range(self, name: str, leader: str, ratio: float) -> Iterator[Diagnostic]:
-        led, leading = self._limits(name), self._limits(leader)
-        if led is None or leading is None:
+    def _coupled_range(self, name: str, coupling: Coupling) -> Iterator[Diagnostic]:
+        led, leader = self._limits(name), coupling.follows
+        if led is None or self._limits(leader) is None:
             return
-        low, high = sorted(ratio * end for end in leading)
-        if low < led[0] - ROUNDING or high > led[1] + ROUNDING:
-            message = f"{name} would move from {low:g} to {high:g}, beyond its limits {led[0]:g} to {led[1]:g}"
-            yield self._error("wrong-coupling", message, ("couplings", name, "ratio"), f"narrow the limits of {leader}")
+        low, high = coupled_range(self._model, name, coupling) or led
+        if led[0] - ROUNDING <= low and high <= led[1] + ROUNDING:
+            return
+        message = f"{name} would move from {low:g} to {high:g}, beyond its limits {led[0]:g} to {led[1]:g}"
+        path: Path = ("couplings", name, "ratio")
+        if is_slightly_beyond(self._model.joints[name], low, high):
+            span = self._document.span(path)
+            message, hint = f"{message}: {leader} goes only as far as these let it", f"narrow the limits of {leader}"
+            yield Diagnostic("clipped-range", message, span=span, hint=hint, severity=Severity.WARNING)
+        elif self._model.origin_of_motion(name).joint == self._model.origin_of_motion(leader).joint:
+            # ROS passes over the limits of a joint that mimics another.
+            message, span = f"{message}, which are passed over: so the model couples it", self._document.span(path)
+            yield Diagnostic("mimic-beyond-limits", message, span=span, severity=Severity.WARNING)
+        else:
+            yield self._error("wrong-coupling", message, path, f"narrow the limits of {leader}")
 
     def _mimicked(self, name: str, coupling: Coupling) -> Iterator[Diagnostic]:
         """What the model says by <mimic> and the hand file by a coupling must be the same."""
-        own = origin_of_motion(name, self._model.joints)
-        leading = origin_of_motion(coupling.follows, self._model.joints)
+        own = self._model.origin_of_motion(name)
+        leading = self._model.origin_of_motion(coupling.follows)
         path: Path = ("couplings", name)
         if own.joint != leading.joint:
             if own.joint != name:
@@ -145,36 +153,36 @@ class _Check:
             return
         if abs(own.multiplier - coupling.ratio * leading.multiplier) > SAME * abs(own.multiplier):
             ratio = f"{own.multiplier / leading.multiplier:.4g}" if leading.multiplier else "no number of"
-            message = f"by its <mimic> {name} is {ratio} times {coupling.follows}, found {coupling.ratio:g}"
+            message = f"by the model {name} is {ratio} times {coupling.follows}, found {coupling.ratio:g}"
             yield self._error("wrong-coupling", message, (*path, "ratio"), "let both say the same")
         offset = own.offset - coupling.ratio * leading.offset
-        if abs(offset) > ROUNDING:
-            message = f"by its <mimic> {name} is {offset:g} off where {coupling.follows} is 0: couplings have no offset"
-            hint = "put the offset into the <origin> of the joint, and change its limits by it"
-            yield self._error("wrong-coupling", message, (*path, "follows"), hint)
+        if abs(offset - coupling.offset) > ROUNDING:
+            message = f"by the model {name} is at {offset:g} where {coupling.follows} is 0, found {coupling.offset:g}"
+            yield self._error("wrong-coupling", message, (*path, "offset"), f"write offset: {offset:g}")
 
     def contacts(self) -> Iterator[Diagnostic]:
         for name, contact in self._hand.contacts.items():
             path: Path = ("contacts", name)
-            if not contact.link:
+            if not contact.host:
                 message = f"the contact {name} has no link"
                 yield self._error("missing-key", message, path, "name its link and its shape", key=True)
                 continue
             yield from self._finger(contact, (*path, "finger"))
-            if contact.link not in self._model.links:
-                yield self._unknown("link", contact.link, (*path, "link"), self._model.links)
+            if contact.host not in self._model.links:
+                key = "link" if contact.link else "onto"
+                yield self._unknown("link", contact.host, (*path, key), self._model.links)
             elif contact.cell:
                 yield from self._cell(contact.cell, contact.link, (*path, "cell"))
 
     def _finger(self, contact: Contact, path: Path) -> Iterator[Diagnostic]:
-        movers = self._model.movers(contact.link)
+        movers = self._model.movers(contact.host)
         coupled = {self._hand.couplings[name].follows for name in movers if name in self._hand.couplings}
         moving = [name for name in self._hand.joints if name in movers or name in coupled]
         yield from self._joint_list(contact.finger, path)
         for place, joint in enumerate(contact.finger):
-            known = joint in self._model.joints and contact.link in self._model.links
+            known = joint in self._model.joints and contact.host in self._model.links
             if known and joint in self._hand.joints and joint not in moving:
-                message = f"the joint {joint} does not move {contact.link}"
+                message = f"the joint {joint} does not move {contact.host}"
                 hint = f"joints that do: {', '.join(moving)}" if moving else "name another link or another joint"
                 yield self._error("wrong-finger", message, (*path, place), hint)
 
@@ -206,7 +214,7 @@ class _Check:
         for name, contact in self._hand.contacts.items():
             finger = finger_of(contact, self._hand, self._model)
             known = [joint for joint in finger if self._limits(joint) is not None and joint in self._hand.joints]
-            if contact.link not in self._model.links or len(known) < len(finger):
+            if contact.host not in self._model.links or len(known) < len(finger):
                 continue
             if all(opened[joint] == closed[joint] for joint in known):
                 where = (
@@ -253,5 +261,4 @@ class _Check:
         return Diagnostic(code, message, span=span, hint=hint)
 
 
-ROUNDING = 1e-6  # rad or m
 SAME = 1e-3  # of a multiplier: files have few digits

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import posixpath
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, in_reading_order
-from graspdsl.hands.completion import completed
+from graspdsl.hands.completion import completed, coupled
+from graspdsl.hands.description_files import DescriptionFileError, described_in, model_of
 from graspdsl.hands.descriptions import Hand
 from graspdsl.hands.fingertip_check import fingertip_complaints
+from graspdsl.hands.fitted import fitted
 from graspdsl.hands.hand_check import faults
-from graspdsl.hands.model_meshes import meshes_of
-from graspdsl.hands.robot_model import FaultyModelError, RobotModel, robot_model
-from graspdsl.places.document import Document, parse_document
-from graspdsl.places.files import SIZE_LIMIT, SpecFolder, refusal, with_plain_line_ends
+from graspdsl.hands.put_on import put_on
+from graspdsl.models.urdf_text import urdf_text
+from graspdsl.places.document import Document
+from graspdsl.places.files import SpecFolder
 from graspdsl.places.folders import SUFFIXES, descriptions_in, told_of
 from graspdsl.places.validation import validate_document
-
-
-class HandFileError(Exception):
-    """A hand file with faults: its name, its text and what is wrong with it, each with its place there."""
-
-    def __init__(self, name: str, text: str, error: DiagnosticError) -> None:
-        self.name, self.text, self.diagnostics = name, text, error.diagnostics
-        super().__init__(name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +36,9 @@ def names_a_file(name: str) -> bool:
 def hand_in(files: SpecFolder, name: str) -> FoundHand:
     """The hand in a file.
 
-    Raises DiagnosticError when the file cannot be read, HandFileError with every fault in it.
+    Raises DiagnosticError when the file cannot be read, DescriptionFileError with every fault in it.
     """
-    content = files.read(name)
-    if len(content) > SIZE_LIMIT:
-        message = f"{name} is too large: {len(content)} bytes, where a hand file may have {SIZE_LIMIT}"
-        raise refusal("file-too-large", message, "check that this is the file you meant")
-    text = with_plain_line_ends(content.decode("utf-8", errors="replace"))
-    try:
-        return _found(files, name, parse_document(text, name))
-    except DiagnosticError as error:
-        raise HandFileError(name, text, error) from None
+    return described_in(files, name, "hand", _found)
 
 
 def hands_in(place: Path) -> dict[str, Hand]:
@@ -68,46 +52,18 @@ def hands_in(place: Path) -> dict[str, Hand]:
 def _sound_hand(path: Path) -> Hand:
     try:
         return hand_in(SpecFolder(path.parent), path.name).hand
-    except (DiagnosticError, HandFileError) as error:
+    except (DiagnosticError, DescriptionFileError) as error:
         raise DiagnosticError(told_of(path.name, error.diagnostics)) from None
 
 
 def _found(files: SpecFolder, name: str, document: Document) -> FoundHand:
-    hand = validate_document(document, Hand)
-    model, of_model = _model(files, name, hand, document)
-    meshes = meshes_of(files, _beside(name, hand.urdf), model)
-    complaints = [*of_model, *(_placed(complaint, document) for complaint in (*meshes.complaints, *model.warnings))]
+    said = validate_document(document, Hand)
+    model, complaints = model_of(files, name, said, document)
+    hand = coupled(said, model)
     complaints += faults(hand, model, document)
-    complaints += fingertip_complaints(hand, model, meshes.corners, document)
+    if not has_errors(complaints):
+        hand, model = put_on(*fitted(hand, model))
+        complaints += fingertip_complaints(hand, model, document)
     if has_errors(complaints):
         raise DiagnosticError(in_reading_order(complaints))
-    return FoundHand(completed(hand, model).with_model(model.with_meshes(meshes.places)), tuple(complaints))
-
-
-def _model(files: SpecFolder, name: str, hand: Hand, document: Document) -> tuple[RobotModel, Sequence[Diagnostic]]:
-    """The model as far as it can be read, and its faults."""
-    file = hand.urdf or hand.mjcf
-    if bool(hand.urdf) == bool(hand.mjcf):
-        hint = "name the model: urdf: my_hand.urdf"
-        raise DiagnosticError(
-            [
-                Diagnostic(
-                    "missing-key", "a hand file names one model, a URDF or a MJCF", document.key_span(("hand",)), hint
-                )
-            ]
-        )
-    try:
-        return robot_model(files.read(_beside(name, file)), file, hand.root), ()
-    except FaultyModelError as error:
-        return error.model, [_placed(fault, document) for fault in error.diagnostics]
-    except DiagnosticError as error:
-        raise DiagnosticError([_placed(fault, document) for fault in error.diagnostics]) from None
-
-
-def _beside(name: str, other: str) -> str:
-    return other if posixpath.isabs(other) else posixpath.join(posixpath.dirname(name), other)
-
-
-def _placed(diagnostic: Diagnostic, document: Document) -> Diagnostic:
-    key = "root" if diagnostic.code == "unknown-root" else "mjcf" if "mjcf" in document.data else "urdf"
-    return replace(diagnostic, span=document.span((key,)))
+    return FoundHand(completed(hand, model).with_model(urdf_text(model)), tuple(complaints))

@@ -12,7 +12,7 @@ from pydantic import Field
 from graspdsl.arrays import Array
 from graspdsl.objects.facets import FINEST, HALF_TURN, Hull, stacked_hulls
 from graspdsl.objects.mass import Solid, stacked_solid
-from graspdsl.objects.shape import DescribedShape, Extent, Rounding, Size
+from graspdsl.objects.shape import UPRIGHT, DescribedShape, Extent, Rounding, Size
 from graspdsl.objects.surfaces.profile import Profile, rounded
 from graspdsl.objects.surfaces.revolution import Revolution
 
@@ -36,6 +36,11 @@ class Bottle(DescribedShape):
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return (self.diameter, self.diameter, self.height)
+
+    @property
+    def axle(self) -> Extent:
+        """z."""
+        return UPRIGHT
 
     @property
     def solid(self) -> Solid:

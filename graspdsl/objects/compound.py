@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import ClassVar
 
 import numpy as np
 
+from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
 from graspdsl.objects.facets import FINEST, HALF_TURN, Hull, stacked_facets, stacked_hulls
 from graspdsl.objects.mass import Solid, joined, stacked_solid
@@ -79,7 +80,7 @@ class Placed:
     @property
     def rotation(self) -> Array:
         """The part's axes in the frame of the compound (3, 3): about x, then y, then z of that frame."""
-        return rotation_of(self.rpy)
+        return _turned(self.rpy)
 
     def support(self, direction: Array) -> float:
         """How far the part reaches from the compound's origin along a unit vector (3,) [m]."""
@@ -127,14 +128,7 @@ class Found(Compound):
     upright: ClassVar = False
 
 
-def rotation_of(rpy: Extent) -> Array:
-    """The rotation (3, 3) by roll, pitch and yaw [rad], as in a URDF."""
-    (a, b, c), (sa, sb, sc) = np.cos(rpy), np.sin(rpy)
-    about_z = np.array([[c, -sc, 0.0], [sc, c, 0.0], [0.0, 0.0, 1.0]])
-    about_y = np.array([[b, 0.0, sb], [0.0, 1.0, 0.0], [-sb, 0.0, b]])
-    about_x = np.array([[1.0, 0.0, 0.0], [0.0, a, -sa], [0.0, sa, a]])
-    rotation: Array = about_z @ about_y @ about_x
-    return rotation
+_turned = cache(turned_by_angles)  # asked for as often as how far a part reaches
 
 
 def _sharp(part: Shape) -> tuple[Hull, ...]:

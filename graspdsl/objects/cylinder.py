@@ -15,7 +15,7 @@ from graspdsl.arrays import Array, Flags
 from graspdsl.objects.facets import HALF_TURN, Hull, stacked_hulls
 from graspdsl.objects.mass import Solid
 from graspdsl.objects.shading import Shaded
-from graspdsl.objects.shape import DescribedShape, Extent, Rounding, Size
+from graspdsl.objects.shape import UPRIGHT, DescribedShape, Extent, Rounding, Size
 from graspdsl.objects.surfaces.profile import Profile, rounded
 from graspdsl.objects.surfaces.revolution import Revolution
 
@@ -41,6 +41,11 @@ class Cylinder(DescribedShape):
     def primitive(self) -> tuple[str, tuple[float, ...]]:
         """A cylinder of a radius and half a height."""
         return "cylinder", (self.diameter / 2, self.height / 2)
+
+    @property
+    def axle(self) -> Extent:
+        """z."""
+        return UPRIGHT
 
     @property
     def solid(self) -> Solid:

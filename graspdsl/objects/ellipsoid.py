@@ -12,7 +12,7 @@ from pydantic import Field
 from graspdsl.arrays import Array
 from graspdsl.objects.facets import Hull, round_hull
 from graspdsl.objects.mass import Solid, symmetric
-from graspdsl.objects.shape import DescribedShape, Extent, Sizes
+from graspdsl.objects.shape import UPRIGHT, DescribedShape, Extent, Sizes
 from graspdsl.objects.surfaces.mesh import unit_sphere
 from graspdsl.objects.surfaces.sampling import accepted
 from graspdsl.objects.surfaces.surface import Surface
@@ -36,6 +36,14 @@ class Ellipsoid(DescribedShape):
     def extent(self) -> Extent:
         """Full size along x, y, z [m]."""
         return self.size
+
+    @property
+    def axle(self) -> Extent | None:
+        """The axis across two of equal size."""
+        x, y, z = self.size
+        pairs: tuple[tuple[Extent, bool], ...] = ((1.0, 0.0, 0.0), y == z), ((0.0, 1.0, 0.0), z == x), (UPRIGHT, x == y)
+        across = [axis for axis, equal in pairs if equal]
+        return across[0] if len(across) == 1 else None
 
     @property
     def solid(self) -> Solid:

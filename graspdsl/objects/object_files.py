@@ -1,4 +1,4 @@
-"""Objects from files: of triangles, of a URDF, and files of objects by their names as other packages bring them."""
+"""Objects from files: of triangles, URDF and MJCF; files of objects by their names as other packages bring them."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.objects.mesh_files import mesh_of_file
+from graspdsl.objects.model_files import ModelObject, object_of_mjcf, object_of_urdf
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES, Body
-from graspdsl.objects.urdf_files import object_of_urdf
+from graspdsl.objects.turned import ObjectPose, posed
 from graspdsl.places.document import parse_document
-from graspdsl.places.fields import Kilograms, Model, Number, fault
+from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms
 from graspdsl.places.files import SpecFolder, read_text
 from graspdsl.places.folders import SUFFIXES, told_of
 from graspdsl.places.validation import validate_document
 
 DEFAULT_MASS = 0.5  # kg
-FILES = ("mesh", "urdf")
+FILES = ("mesh", "urdf", "mjcf")
 
 FilePath = Annotated[str, Field(min_length=1, max_length=1000)]
 Mass = Annotated[Kilograms, Field(gt=0.0, le=100.0)]
@@ -33,11 +33,15 @@ class Mesh(Model):
     """A file of triangles."""
 
     file: FilePath = Field(
-        description="an STL or OBJ file; a relative path starts at the folder of the spec and stays in it",
+        description="an STL, OBJ, PLY, GLB, DAE or OFF file; a relative path starts at the folder of the spec and "
+        "stays in it",
         examples=["part.stl"],
     )
     scale: Number = Field(
-        default=1.0, gt=0.0, le=1e6, description="what a length in the file is in m: 0.001 for millimetres"
+        default=1.0,
+        gt=0.0,
+        le=1e6,
+        description="what a length in the file is in m: 0.001 for millimetres; a DAE says that itself",
     )
     convex: Literal["hull", "decomposition"] | None = Field(
         default=None,
@@ -53,9 +57,33 @@ def body_of_mesh(mesh: Mesh, mass: float | None, name: str | None, folder: SpecF
 
     Raises DiagnosticError when the file cannot be read or holds no solid; what is odd about it goes to ``warn``.
     """
-    shape = mesh_of_file(mesh.file, folder.read(mesh.file), np.full(3, mesh.scale), mesh.convex, warn)
+    shape = mesh_of_file(mesh.file, folder.read(mesh.file), mesh.scale, mesh.convex, warn)
     mass = mass or (DEFAULT_MASS if mesh.density is None else mesh.density * shape.solid.volume)
     return Body(name or PurePath(mesh.file).stem, shape, mass, digest=folder.digest)
+
+
+class MjcfBody(Model):
+    """A body in an MJCF file."""
+
+    file: FilePath = Field(description="the file; a relative path starts at the folder of the spec", examples=["a.xml"])
+    body: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=200,
+        description="the name of the body; by default the one body of the world; world: all of it",
+    )
+
+
+def _mjcf_form(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "file"
+    return "body" if isinstance(value, dict | MjcfBody) else None
+
+
+MjcfChoice = Annotated[
+    Annotated[FilePath, form("file")] | Annotated[MjcfBody, form("body")],
+    forms("an MJCF file, or {file: part.xml, body: the name of one of its bodies}", _mjcf_form),
+]
 
 
 def body_of_urdf(file: str, mass: float | None, name: str | None, folder: SpecFolder, warn: Warn) -> Body:
@@ -63,15 +91,28 @@ def body_of_urdf(file: str, mass: float | None, name: str | None, folder: SpecFo
 
     Raises DiagnosticError when the file cannot be read or holds no rigid body; what is odd about it goes to ``warn``.
     """
-    found = object_of_urdf(file, folder, warn)
-    return Body(name or PurePath(file).stem, found.shape, mass or found.mass or DEFAULT_MASS, digest=folder.digest)
+    return _body(object_of_urdf(file, folder, warn), mass, name or PurePath(file).stem, folder)
+
+
+def body_of_mjcf(choice: str | MjcfBody, mass: float | None, name: str | None, folder: SpecFolder, warn: Warn) -> Body:
+    """The object in an MJCF file, of a mass [kg], or of that of the body there.
+
+    Raises DiagnosticError when the file cannot be read or holds no rigid body; what is odd about it goes to ``warn``.
+    """
+    file, body = (choice, None) if isinstance(choice, str) else (choice.file, choice.body)
+    return _body(object_of_mjcf(file, body, folder, warn), mass, name or body or PurePath(file).stem, folder)
+
+
+def _body(found: ModelObject, mass: float | None, name: str, folder: SpecFolder) -> Body:
+    return Body(name, found.shape, mass or found.mass or DEFAULT_MASS, digest=folder.digest)
 
 
 def objects_in(place: Path) -> dict[str, Body]:
     """The objects in a file, or in every YAML file of a folder, by name.
 
-    Each is ``name: {SHAPE: {…}, mass: …, about: …}`` with one of the table of shapes, or with ``mesh: {file: …}`` or
-    ``urdf: FILE``. Raises DiagnosticError with the faults of the first file that has any, each told with its place.
+    Each is ``name: {SHAPE: {…}, mass: …, about: …}`` with one of the table of shapes, or with ``mesh: {file: …}``,
+    ``urdf: FILE`` or ``mjcf: FILE``. Raises DiagnosticError with the faults of the first file that has any, each told
+    with its place.
     """
     files = [place] if place.is_file() else [path for path in sorted(place.glob("*")) if path.suffix in SUFFIXES]
     return {name: body for path in files for name, body in _objects(path).items()}
@@ -80,7 +121,9 @@ def objects_in(place: Path) -> dict[str, Body]:
 class _Entry(Model):
     mesh: Mesh | None = None
     urdf: FilePath | None = None
+    mjcf: MjcfChoice | None = None
     mass: Mass | None = None
+    pose: ObjectPose | None = None
     about: str = Field(default="", max_length=1000)
 
     @property
@@ -107,10 +150,12 @@ class _Entry(Model):
             body = body_of_mesh(self.mesh, self.mass, name, files, _passed_over)
         elif self.urdf is not None:
             body = body_of_urdf(self.urdf, self.mass, name, files, _passed_over)
+        elif self.mjcf is not None:
+            body = body_of_mjcf(self.mjcf, self.mass, name, files, _passed_over)
         else:
             assert self.shape is not None
             body = Body(name, self.shape, self.mass or DEFAULT_MASS)
-        return replace(body, about=self.about)
+        return replace(body, shape=posed(body.shape, self.pose), about=self.about)
 
 
 def _objects(path: Path) -> dict[str, Body]:

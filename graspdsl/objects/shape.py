@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cache
@@ -21,6 +22,9 @@ Extent = tuple[float, float, float]
 Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
 Sizes = Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")]
 Rounding = Annotated[Metres, Field(gt=0.0, le=1.0)]
+CLEARLY_LONGER = 1.05
+SLANTING = math.sqrt(0.5)  # the sine of an angle
+UPRIGHT: Extent = (0.0, 0.0, 1.0)
 
 
 class Shape(ABC):
@@ -54,6 +58,28 @@ class Shape(ABC):
     @abstractmethod
     def support(self, direction: Array) -> float:
         """How far it reaches from its origin along a unit vector (3,) [m]."""
+
+    @property
+    def major_axis(self) -> Extent:
+        """The unit vector, in its frame, against which orientations are reported: z, or the axis of the longest extent
+        of a shape that is not upright by nature, where that is clearly the longest."""
+        extent = self.extent
+        _, second, longest = sorted(extent)
+        if self.upright or longest <= CLEARLY_LONGER * second:
+            return UPRIGHT
+        x, y, z = (float(size == longest) for size in extent)
+        return (x, y, z)
+
+    @property
+    def axle(self) -> Extent | None:
+        """The unit vector, in its frame, about which it is round, as it rolls and does not lean; None where it is not
+        round, or wherever it is looked at from."""
+        return None
+
+    @property
+    def lies_round(self) -> bool:
+        """Whether it is put down on its round side, on which it may roll without leaning."""
+        return self.axle is not None and abs(self.axle[2]) < SLANTING
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]] | None:

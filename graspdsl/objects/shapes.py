@@ -27,8 +27,6 @@ SHAPES: dict[str, type[DescribedShape]] = {
     "superquadric": Superquadric,
     "bottle": Bottle,
 }
-CLEARLY_LONGER = 1.05
-UPRIGHT = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +41,8 @@ class Body:
 
     @property
     def major_axis(self) -> Extent:
-        """The unit vector, in the body's frame, against which orientations are reported: z, or the axis of the longest
-        extent of a shape that is not upright by nature, where that is clearly the longest."""
-        extent = self.shape.extent
-        _, second, longest = sorted(extent)
-        if self.shape.upright or longest <= CLEARLY_LONGER * second:
-            return UPRIGHT
-        x, y, z = (float(size == longest) for size in extent)
-        return (x, y, z)
+        """The unit vector, in the body's frame, against which orientations are reported."""
+        return self.shape.major_axis
 
 
 def shape_from(form: Mapping[str, Any]) -> Shape:

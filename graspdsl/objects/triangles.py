@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import ClassVar
 
@@ -40,6 +40,11 @@ class TriangleMesh(Shape):
     hull: Array
     content: Solid
     convex_parts: str = "hull"
+
+    def moved(self, by: Array) -> TriangleMesh:
+        """The solid moved by (3,) [m]."""
+        solid = self.content.placed(np.eye(3), by)
+        return replace(self, vertices=self.vertices + by, hull=self.hull + by, content=solid)
 
     @property
     def extent(self) -> Extent:

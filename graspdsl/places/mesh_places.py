@@ -20,7 +20,7 @@ class MeshPlaces:
 
     A ``package://name/path`` is looked for in the folders about the URDF, up to that of the spec: first in one that
     bears the package's name, then in one that holds a package.xml, then in each, the nearest first, with the package's
-    name before the path and without.
+    name before the path and without; then in the folders of ROS_PACKAGE_PATH.
     """
 
     def __init__(self, files: SpecFolder, urdf: str) -> None:
@@ -48,7 +48,9 @@ class MeshPlaces:
         named = [folder / rest for folder in self._folders if folder.name == package]
         marked = [folder / rest for folder in self._packages]
         around = [place for folder in self._folders for place in (folder / package / rest, folder / rest)]
-        places = list(dict.fromkeys(map(str, named + marked + around)))
+        paths = filter(os.path.isabs, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep))
+        elsewhere = [PurePosixPath(path, package, rest) for path in paths]
+        places = list(dict.fromkeys(map(str, named + marked + around + elsewhere)))
         found = next(filter(self._exists, places), None)
         if found is None:
             more = ["so on"] if len(places) > MOST_PLACES else []

@@ -26,8 +26,9 @@ ENCODINGS: Mapping[str, str] = {
 
 
 class PlacedElement(ElementTree.Element):
-    """An element that knows where its tag begins, line and column from 1."""
+    """An element that knows the file it stands in and where its tag begins, line and column from 1."""
 
+    file = ""
     line = 0
     column = 0
 
@@ -41,10 +42,15 @@ def xml_tree(content: bytes, name: str) -> PlacedElement:
     if len(content) > LARGEST:
         message = f"{name} is too large: {len(content)} bytes, where an XML file may have {LARGEST}"
         raise refusal("file-too-large", message, "leave out what is not needed; meshes stand in files of their own")
-    try:
-        return _Reading(name).read(content)
-    except _OtherNameError as error:
-        return _Reading(name, error.encoding).read(content)
+    encoding: str | None = None
+    separator: str | None = "}"
+    while True:
+        try:
+            return _Reading(name, encoding, separator).read(content)
+        except _OtherNameError as error:
+            encoding = error.encoding
+        except _OtherPrefixError:
+            separator = None
 
 
 def place_in(name: str, element: ElementTree.Element) -> str:
@@ -60,15 +66,19 @@ class _OtherNameError(Exception):
         super().__init__(encoding)
 
 
+class _OtherPrefixError(Exception):
+    """A file has a prefix that it does not declare, as elements for other programs have."""
+
+
 class _Reading:
     """One reading of a file, in an encoding of the parser or in that which the file declares."""
 
-    def __init__(self, name: str, encoding: str | None = None) -> None:
+    def __init__(self, name: str, encoding: str | None, separator: str | None) -> None:
         self._name, self._encoding = name, encoding
         self._open: list[PlacedElement] = []
         self._root: PlacedElement | None = None
         self._count = 0
-        self._parser = expat.ParserCreate(encoding, namespace_separator="}")
+        self._parser = expat.ParserCreate(encoding, namespace_separator=separator)
         self._parser.XmlDeclHandler = self._declared
         self._parser.StartDoctypeDeclHandler = self._doctype
         self._parser.StartElementHandler = self._start
@@ -78,6 +88,8 @@ class _Reading:
         try:
             self._parser.Parse(content, True)
         except expat.ExpatError as error:
+            if error.code == expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
+                raise _OtherPrefixError from None
             reason = expat.ErrorString(error.code)
             message = f"{self._name} is no XML: line {error.lineno}, column {error.offset + 1}: {reason}"
             raise refusal("bad-xml", message, "mend it there") from None
@@ -103,6 +115,7 @@ class _Reading:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = PlacedElement(_whole(tag), {_whole(key): text for key, text in attributes.items()})
+        element.file = self._name
         element.line, element.column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber + 1
         self._count += 1
         if self._count > MOST_ELEMENTS or len(self._open) >= DEEPEST:

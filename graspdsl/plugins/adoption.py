@@ -183,7 +183,7 @@ class _Adopter:
         scene = data.get("scene")
         if isinstance(scene, dict):
             for key, kind in (("world", "worlds"), ("mount", "mounts"), ("hand", "hands"), ("object", "objects")):
-                if not (isinstance(name := scene.get(key), str) and kind == "hands" and names_a_file(name)):
+                if not (isinstance(name := scene.get(key), str) and kind in ("hands", "mounts") and names_a_file(name)):
                     self._text(kind, ("scene", key))
             self._text("objects", ("scene", "object", "like"))
             self._keys("shapes", ("scene", "object"), {*InlineObject.model_fields} - {*SHAPES})

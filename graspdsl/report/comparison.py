@@ -192,13 +192,13 @@ def _against(first: Evidence, other: Evidence, pairs: Pairs, known: Mapping[str,
 def pairs_of(first: Evidence, other: Evidence) -> Pairs:
     """Trials of the same number that began alike, whatever became of them: first run's, other run's.
 
-    In a world with a hand, where all that was drawn is equal: the two may differ in mount, sensing or controller. In
-    the floating world contacts are drawn by the seed, over the object: both must be equal.
+    In worlds with a hand, where all that was drawn is equal: the two may differ in engine, mount, sensing or
+    controller. In the floating world contacts are drawn by the seed, over the object: both must be equal.
     """
     ground = _ground(first)
     if ground != _ground(other):
         return []
-    unplaced = len(ground) > 1  # of trials that begin without a hand nothing is drawn but contacts
+    unplaced = len(ground) > 0  # of trials that begin without a hand nothing is drawn but contacts
     known = {record.number: record for record in first.records if unplaced or record.start}
     return [
         (known[record.number], record)
@@ -211,7 +211,7 @@ def _ground(evidence: Evidence) -> tuple[object, ...]:
     """What must be the same for equal draws to be equal starts."""
     scene, seed = evidence.program.spec.scene, evidence.folder.manifest.seed
     handless = not evidence.program.world.has("hand")
-    return (scene.world, seed, scene.hand, scene.object) if handless else (scene.world,)
+    return (scene.world, seed, scene.hand, scene.object) if handless else ()
 
 
 def _has_converged(record: TrialRecord) -> bool:

@@ -79,9 +79,11 @@ def numbers_of(value: float | Uniform | Normal | Choice) -> tuple[float, ...]:
     return value.choice if isinstance(value, Choice) else (value,)
 
 
-def outcomes_of(value: float | Uniform | Normal | Choice) -> float:
+def outcomes_of(value: float | Uniform | Normal | Choice | Relative) -> float:
     """How many different numbers can be drawn: inf from a continuous distribution."""
     match value:
+        case Relative(relative=fractions):
+            return outcomes_of(fractions)
         case Uniform(uniform=(low, high)) if low < high:
             return math.inf
         case Normal(normal=(_, spread)) if spread > 0.0:
@@ -92,7 +94,9 @@ def outcomes_of(value: float | Uniform | Normal | Choice) -> float:
 
 
 def _between(low: float, high: float, unit: str, hint: str) -> AfterValidator:
-    def check(value: float | Uniform | Normal | Choice) -> float | Uniform | Normal | Choice:
+    def check(value: float | Uniform | Normal | Choice | Relative) -> float | Uniform | Normal | Choice | Relative:
+        if isinstance(value, Relative):  # which has had its own bounds
+            return value
         for number in numbers_of(value):
             if not low <= number <= high:
                 message = f"expected numbers from {low:g} to {high:g} ({unit}), found {as_yaml(number)}"
@@ -111,5 +115,48 @@ _TURN = 2 * math.pi
 
 Angle = Annotated[Distribution, Unit("rad"), _between(-_TURN, _TURN, "rad", "angles are in radians")]
 JointPlace = Annotated[Distribution, _between(-_TURN, _TURN, "rad or m", "angles are in radians, lengths in metres")]
-Length = Annotated[Distribution, Unit("m"), _between(-2.0, 2.0, "m", "lengths are in metres")]
+_METRES = _between(-2.0, 2.0, "m", "lengths are in metres")
+Length = Annotated[Distribution, Unit("m"), _METRES]
 Gap = Annotated[Distribution, Unit("m"), _between(0.0, 2.0, "m", "lengths are in metres")]
+Fraction = Annotated[Distribution, Unit("1"), _between(-2.0, 2.0, "1", "0 is the table, 1 the top of the object")]
+
+
+class Relative(Model):
+    """A height over that of the object as it is put down."""
+
+    relative: Fraction = Field(
+        description="a fraction of the object's height (1), 0 at the table and 1 at its top; it may be a distribution",
+        examples=[0.5],
+    )
+
+    def of(self, height: float) -> float | Uniform | Normal | Choice:
+        """The heights [m] over an object of a height [m]."""
+        match self.relative:
+            case Uniform(uniform=(low, high)):
+                return Uniform(uniform=(low * height, high * height))
+            case Normal(normal=(mean, deviation)):
+                return Normal(normal=(mean * height, deviation * height))
+            case Choice(choice=values):
+                return Choice(choice=tuple(value * height for value in values))
+        assert isinstance(self.relative, float)
+        return self.relative * height
+
+
+def _form_of_height(value: Any) -> str | None:
+    if isinstance(value, Relative):
+        return "relative"
+    if isinstance(value, dict) and "relative" in value:
+        return "relative" if _form_of(value) is None else None
+    return _form_of(value)
+
+
+Height = Annotated[
+    Annotated[Number, form("number")]
+    | Annotated[Uniform, form("uniform")]
+    | Annotated[Normal, form("normal")]
+    | Annotated[Choice, form("choice")]
+    | Annotated[Relative, form("relative")],
+    forms(f"{EXPECTED}, or {{relative: …}} with one of them", _form_of_height),
+    Unit("m"),
+    _METRES,
+]

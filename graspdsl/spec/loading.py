@@ -96,7 +96,8 @@ def json_schema(known: Known = ANYTHING) -> dict[str, Any]:
     scene, grade = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]["items"]
     for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grade)):
         if things := known.get(table):
-            field["enum"] = list(things)
+            named = {"enum": list(things)}
+            field |= {"anyOf": [named, {"pattern": r"\.ya?ml$"}]} if table == "mounts" else named
             if "description" in field:
                 field["description"] += "".join(f"; {name}: {line}" for name, line in things.items())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}

@@ -109,6 +109,10 @@ class Spec(Model):
     grading: Grading = Field(default=Grading(), description="by what conventions they are graded")
     trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
 
+    def before(self, height: float) -> Spec:
+        """The spec with the heights of its starts in m, before an object of a height [m]."""
+        return self.model_copy(update={"trials": self.trials.before(height)})
+
     def definitions(self) -> dict[str, ControllerDefinition]:
         """The user's own controllers by their heads, all in the long form."""
         return {

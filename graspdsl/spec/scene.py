@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import BaseModel, Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
-from graspdsl.objects.object_files import FILES, FilePath, Mass, Mesh
+from graspdsl.objects.object_files import FILES, FilePath, Mass, Mesh, MjcfChoice
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES
-from graspdsl.places.fields import Model, Number, Unit, fault, form, forms, name_in
+from graspdsl.objects.turned import ObjectPose
+from graspdsl.places.fields import Count, Model, Number, Seconds, Unit, fault, form, forms, name_in
 from graspdsl.spec.growing import Growing, grow
 from graspdsl.spec.sensing import SensingChoice
 
 GRAVITY = 9.81  # m/s²
+TIME_STEPS, MOST_ITERATIONS = (1e-4, 0.02), 10_000  # s; 1
 
 
 class _Described(Growing):
@@ -23,6 +25,12 @@ class _Described(Growing):
     mass: Mass | None = Field(default=None, description="mass (kg), above 0; by default 0.5, or the catalogue's")
     held: bool = Field(default=False, strict=True, description="whether it is fixed to the hand when a trial starts")
     fixed: bool = Field(default=False, strict=True, description="whether it is fixed to the world")
+    pose: ObjectPose | None = Field(
+        default=None,
+        description="how it is turned before it is put on the table: lay-down, its major axis level, along y; "
+        "upside-down; or {rpy: [roll, pitch, yaw]} (rad); by default as its shape or file has it",
+        examples=["lay-down"],
+    )
     like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
 
 
@@ -49,6 +57,12 @@ class InlineObject(_Shaped):
         examples=["part.urdf"],
     )
 
+    mjcf: MjcfChoice | None = Field(
+        default=None,
+        description="an MJCF file, or {file: …, body: …}: what touches of a body, as one body, as of a URDF",
+        examples=["part.xml"],
+    )
+
     @model_validator(mode="after")
     def _one_shape(self) -> InlineObject:
         shapes = [name for name in ("like", *SHAPES, *FILES) if self.given(name) is not None]
@@ -68,6 +82,15 @@ class InlineObject(_Shaped):
         """The one shape there is; None for one of the catalogue or of a file."""
         return next((shape for name in SHAPES if (shape := self.given(name)) is not None), None)
 
+    @property
+    def file(self) -> tuple[str, ...]:
+        """The key, or the keys, under which a file is named; empty where none is."""
+        if self.mesh is not None:
+            return ("mesh", "file")
+        if self.urdf is not None:
+            return ("urdf",)
+        return () if self.mjcf is None else ("mjcf",) if isinstance(self.mjcf, str) else ("mjcf", "file")
+
 
 def _object_form(value: Any) -> str | None:
     if isinstance(value, str):
@@ -81,15 +104,40 @@ ObjectChoice = Annotated[
 ]
 
 
-class Scene(Model):
+class Physics(Model):
+    """How finely physics is worked out."""
+
+    time_step: Seconds | None = Field(
+        default=None,
+        ge=TIME_STEPS[0],
+        le=TIME_STEPS[1],
+        description="time between steps of physics (s), 0.0001 to 0.02; a tick of 0.02 s is a whole number of them; "
+        "by default 0.002",
+        examples=[0.001],
+    )
+    solver_iterations: Count | None = Field(
+        default=None,
+        ge=1,
+        le=MOST_ITERATIONS,
+        description="how often the solver of contact forces iterates in a step (1), at most; by default 200 in bullet, "
+        "100 in mujoco",
+        examples=[400],
+    )
+
+
+class Scene(Growing):
     """What the controller meets."""
+
+    later: ClassVar = {"physics"}
 
     world: Annotated[str, name_in("worlds")] = Field(
         description="what the trials run in",
         examples=["bullet"],
     )
     hand: str = Field(default="barrett", min_length=1, description="a hand of the catalogue, or a hand file")
-    mount: Annotated[str, name_in("mounts")] = Field(default="gantry", description="what carries the hand")
+    mount: str = Field(
+        default="gantry", min_length=1, description="what carries the hand: a mount of the catalogue, or a mount file"
+    )
     object: ObjectChoice = Field(
         description="an object of the catalogue, or one described here", examples=["towel-roll"]
     )
@@ -106,8 +154,12 @@ class Scene(Model):
     sensing: SensingChoice | None = Field(
         default=None,
         description="what a contact feels through, by name or as one sensor with parameters; load-cell: a fingertip "
-        "load cell; skin: taxels; proximity: distances; exact: the true contact; by default load-cell in bullet, exact "
-        "in floating",
+        "load cell; skin: taxels; proximity: distances; exact: the true contact; by default exact in "
+        "floating, else load-cell",
+    )
+
+    physics: Physics | None = Field(
+        default=None, description="how finely physics is worked out, by default as is usual in the world"
     )
 
     @property

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from graspdsl.places.fields import Count, Model, Number, fault
-from graspdsl.spec.distributions import Angle, Gap, JointPlace, Length, outcomes_of
+from graspdsl.spec.distributions import Angle, Gap, Height, JointPlace, Length, Relative, outcomes_of
 
 MOST_TRIALS = 100_000
 PARAMETERS: Mapping[str, str] = {  # the numbers of a start, with their units
@@ -35,7 +35,10 @@ class StartSettings(Model):
         "world; by default side, and surface in the floating world",
     )
     roll: Angle = Field(default=0.0, description="rotation (rad) of the hand about the normal of its palm")
-    height: Length = Field(default=0.10, description="height (m) of the palm above the table")
+    height: Height = Field(
+        default=0.10,
+        description="height (m) of the palm above the table, or {relative: …}, a fraction of the object's height",
+    )
     standoff: Gap = Field(default=0.047, description="gap (m) between palm and object")
     yaw: Angle = Field(default=0.0, description="direction (rad) the hand comes from, about the vertical")
     offset: Length = Field(default=0.0, description="sideways displacement (m) of the hand from the object's axis")
@@ -48,6 +51,12 @@ class StartSettings(Model):
     def is_fixed(self) -> bool:
         """Whether every draw is the same."""
         return self.outcomes() == 1
+
+    def before(self, height: float) -> StartSettings:
+        """The start with a height in m, before an object of a height [m]."""
+        if not isinstance(self.height, Relative):
+            return self
+        return self.model_copy(update={"height": self.height.of(height)})
 
     def outcomes(self, given: Collection[str] = ()) -> float:
         """How many different starts can be drawn, inf for any number, where some parameters are given."""
@@ -108,6 +117,10 @@ class Trials(Model):
         if cells > MOST_TRIALS:
             raise fault("out-of-range", f"a grid has at most {MOST_TRIALS} cells, this one {cells}", "use fewer cells")
         return self
+
+    def before(self, height: float) -> Trials:
+        """The trials with heights in m, before an object of a height [m]."""
+        return self.model_copy(update={"start": self.start.before(height)})
 
     @property
     def different(self) -> float:

@@ -15,14 +15,17 @@ from graspdsl.places.files import digest_of
 from graspdsl.plugins.kinds import Plugin
 from graspdsl.trials.store import MANIFEST, SPEC, RunFolder
 
-LIBRARIES = ("graspdsl", "numpy", "pybullet", "scipy")
-FILE_READERS = ("trimesh", "vhacdx")  # on which an object from a file depends, too
+LIBRARIES = ("graspdsl", "numpy", "scipy")
+FILE_READERS = ("mujoco", "trimesh", "vhacdx")  # on which what is read from a file depends, too
 UNTOLD: dict[str, Any] = {"trials": {"count", "seed"}, "name": True, "about": True, "code": True}  # of a spec
 
 
-def versions(*, readers: bool) -> dict[str, str]:
-    """The versions of what a trial's numbers depend on, with those of the readers of files where it needs them."""
-    return {name: metadata.version(name) for name in (*LIBRARIES, *(FILE_READERS if readers else ()))}
+def versions(program: Program) -> dict[str, str]:
+    """The versions of what the numbers of a program's trials depend on: those libraries of its world among them that
+    are installed, and the readers of hands, mounts and objects where some are from files."""
+    engines = program.world.libraries.keys() - set(program.world.missing)
+    names = {*LIBRARIES, *engines, *(FILE_READERS if program.files else ())}
+    return {name: metadata.version(name) for name in sorted(names)}
 
 
 def identities(
@@ -35,9 +38,10 @@ def identities(
     other packages, or the spec's own code, have a part in it.
     """
     spec = program.spec.model_dump(mode="json", exclude=UNTOLD, warnings=False)  # of keys that came since
-    made_by = made_by or versions(readers=bool(program.files))
+    made_by = made_by or versions(program)
     before = [spec, program.monitors.model_dump(mode="json", warnings=False)]
-    after: list[object] = [seed, {name: made_by.get(name) for name in LIBRARIES}]
+    of_files_alone = set(FILE_READERS) - program.world.libraries.keys()
+    after: list[object] = [seed, {name: by for name, by in made_by.items() if name not in of_files_alone}]
     if program.files:
         after += [digest_of(program.files), {name: made_by.get(name) for name in FILE_READERS}]
     if plugins := program.plugins if plugins is None else plugins:
@@ -59,7 +63,7 @@ def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
     manifest, trials = folder.manifest, program.spec.trials
     if (manifest.name, manifest.seed, manifest.asked) != (program.spec.name, trials.seed, trials.count):
         raise DiagnosticError([other_origin()])
-    here = versions(readers=bool(program.files))
+    here = versions(program)
     if manifest.versions.get("graspdsl") != here["graspdsl"] or not here.keys() <= manifest.versions.keys():
         by = f"graspdsl {manifest.versions.get('graspdsl', 'of no known version')}"
         message = f"this run was made by {by}; whether from the {SPEC} in it cannot be told by {here['graspdsl']}"

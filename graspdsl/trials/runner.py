@@ -23,13 +23,17 @@ from types import ModuleType
 
 from graspdsl.compiler.program import Program, Source, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
+from graspdsl.objects.shapes import Body
+from graspdsl.objects.standing import pose_at_rest
 from graspdsl.plugins.answering import answered_for
-from graspdsl.trials.identity import FILE_READERS, identities, other_origin, other_plugins, versions
+from graspdsl.trials.identity import identities, other_origin, other_plugins, versions
 from graspdsl.trials.interruption import SIGNALS, interruption
 from graspdsl.trials.loop import OnDrawing, together
+from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
+from graspdsl.worlds.kinds import absence
 
 OnTrial = Callable[[Trial], object]
 BATCHES_WORTH_A_WORKER = 4
@@ -50,8 +54,9 @@ class WorkerEndedError(Exception):
 
 
 def new_run(path: Path, program: Program) -> RunFolder:
-    """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made."""
-    source, trials, made_by = program.source, program.spec.trials, versions(readers=bool(program.files))
+    """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made, or its world."""
+    _world_is_there(program)
+    source, trials, made_by = program.source, program.spec.trials, versions(program)
     manifest = Manifest(
         *(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by),
         plugins=program.plugins,
@@ -105,6 +110,7 @@ def execute(
         numbers = pending(folder, program, finished)
         if not numbers:
             return
+        _world_is_there(program)
         most = together(program)
         if workers is None:
             workers = min(os.cpu_count() or 1, max(1, len(numbers) // (most * BATCHES_WORTH_A_WORKER)))
@@ -132,10 +138,15 @@ def execute(
                 if trial.record.number < first and not trial.record.has_begun:
                     barren[trial.record.number] = trial.record
                 if len(barren) == first and program.spec.trials.grid is None:
-                    raise DiagnosticError([_none_begins(list(barren.values()))])
+                    raise DiagnosticError([_none_begins(list(barren.values()), program.body)])
 
 
-def _none_begins(records: Sequence[TrialRecord]) -> Diagnostic:
+def _world_is_there(program: Program) -> None:
+    if missing := absence(program.world):
+        raise DiagnosticError([missing])
+
+
+def _none_begins(records: Sequence[TrialRecord], body: Body) -> Diagnostic:
     reasons = Counter(start.reason for record in records for start in record.rejected)
     reasons.update(record.detail for record in records if not record.rejected)
     trials = (
@@ -143,12 +154,14 @@ def _none_begins(records: Sequence[TrialRecord]) -> Diagnostic:
     )
     found = "; ".join(f"{reason} ({count})" for reason, count in reasons.most_common())
     message = f"{trials}: {found}"
-    return Diagnostic("no-trial-begins", message, hint="let trials.start put the hand elsewhere, or use another object")
+    hint = "let trials.start put the hand elsewhere, or use another object"
+    if {record.outcome for record in records} == {Outcome.TOPPLED}:
+        hint = f"add '{pose_at_rest(body.shape) or 'fixed: true'}' to the object, or use another one"
+    return Diagnostic("no-trial-begins", message, hint=hint)
 
 
 def _differs(manifest: Manifest, program: Program) -> Diagnostic:
-    made_by = manifest.versions
-    here = versions(readers=not made_by.keys().isdisjoint(FILE_READERS))
+    made_by, here = manifest.versions, versions(program)
     changed = {name: version for name, version in here.items() if made_by.get(name) != version}
     before = [f"{name} {made_by.get(name, 'of no known version')}" for name in changed]
     now = [f"{name} {version}" for name, version in changed.items()]

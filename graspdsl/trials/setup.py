@@ -16,9 +16,13 @@ def settings_of(program: Program) -> WorldSettings:
     scene = program.spec.scene
     fixed = isinstance(scene.object, InlineObject) and scene.object.fixed
     free = Anchor.AFLOAT if scene.afloat else Anchor.NONE
-    anchor = Anchor.HAND if scene.held else Anchor.WORLD if fixed else free
+    bound = Anchor.MOUNT if program.robot.mount.holds else Anchor.WORLD
+    anchor = Anchor.HAND if scene.held else bound if fixed else free
     sensing = program.world.sensor(scene.sensing)
-    return WorldSettings(program.robot, program.body, scene.friction, sensing, anchor, program.probes, scene.gravity)
+    return WorldSettings(
+        *(program.robot, program.body, scene.friction, sensing, anchor, program.probes, scene.gravity),
+        effort=program.world.effort_in(scene.physics),
+    )
 
 
 def world_of(program: Program) -> WitnessedWorld:

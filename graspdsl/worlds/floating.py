@@ -80,9 +80,9 @@ class Floating(WorldKind):
 
     def studio(self, view: View) -> TrialStudio:
         """The surface and its contacts."""
-        from graspdsl.worlds.bullet.replay import SurfaceStudio
+        from graspdsl.worlds.mujoco.studio import SurfaceStudio
 
-        return SurfaceStudio(self.make(view.settings).surface, view.contacts, window=view.window)
+        return SurfaceStudio(view)
 
 
 class FloatingWorld:

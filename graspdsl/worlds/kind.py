@@ -3,26 +3,49 @@
 from __future__ import annotations
 
 import enum
+import importlib.util
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal, Protocol
 
 from graspdsl.arrays import Array
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
-from graspdsl.spec.scene import GRAVITY
+from graspdsl.spec.scene import GRAVITY, Physics
 from graspdsl.spec.sensing import LoadCell, Sensing, TactileSensor, sensor_of
 from graspdsl.worlds.camera import HEIGHT, OVERSAMPLING, WIDTH, Camera, Picture
 from graspdsl.worlds.protocol import Start, WitnessedWorld
 
 TABLE_FRICTION = 0.5
+WHOLE = 1e-4  # of a tick: that a time step with five digits may be off
 
 Ability = Literal["hand", "forces", "friction", "weight", "motion", "parting", "holding", "lifting", "edges"]
 """What a world may lack: a hand that carries the contacts; forces that they feel; friction; weight of the object; an
 object that moves; contacts that part from it; objects that a hand holds; grasps tried by lifting and shaking; objects
 with edges."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How finely physics is worked out: its time step [s], and the most iterations of its solver in a step."""
+
+    time_step: float
+    solver_iterations: int
+
+    def steps(self, rate: float) -> int:
+        """How many steps of physics a tick has, at so many ticks a second [Hz]."""
+        return round(1.0 / (rate * self.time_step))
+
+    def whole(self, rate: float) -> Effort:
+        """The same with the time step of which a tick is a whole number, to the last digit."""
+        return replace(self, time_step=1.0 / (rate * self.steps(rate)))
+
+    def divides(self, rate: float) -> bool:
+        """Whether a tick is a whole number of steps."""
+        steps = 1.0 / (rate * self.time_step)
+        return steps > 0.5 and abs(steps - round(steps)) < WHOLE * steps
 
 
 class Anchor(enum.Enum):
@@ -32,6 +55,7 @@ class Anchor(enum.Enum):
     AFLOAT = "free and without weight, the table out of the way"
     HAND = "held by the hand, the table out of the way"
     WORLD = "fixed to the world"
+    MOUNT = "held by another hand of the mount, which keeps still, the table out of the way"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +63,7 @@ class WorldSettings:
     """What of a program a world is made from.
 
     friction: coefficient between fingertips and object; gravity [m/s²]. probes: a displacement of the contacts is one
-    probe of many ticks.
+    probe of many ticks. effort: None where there is no physics, or it is as is usual.
     """
 
     robot: Robot
@@ -50,6 +74,7 @@ class WorldSettings:
     probes: bool = False
     gravity: float = GRAVITY
     table_friction: float = TABLE_FRICTION
+    effort: Effort | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +124,9 @@ class WorldKind(ABC):
     need not be probed. ``together``: how many trials it runs side by side. ``pace``: how contacts move where they are
     not probed; ``contacts``: what they are called. ``approaches``: the starts that it has. ``knows_object``: where the
     object is, is known though nothing holds it; ``knows_surface``: it stays at the origin, and how it curves is known,
-    too. ``lacks``: what it has not, each with the reason as messages give it.
+    too. ``lacks``: what it has not, each with the reason as messages give it. ``effort``: the usual one of its physics,
+    None where none can be chosen. ``libraries``: distributions that it needs and its numbers depend on, imported by the
+    same names, each with how it is installed.
     """
 
     name: ClassVar[str]
@@ -115,6 +142,8 @@ class WorldKind(ABC):
     knows_object: ClassVar[bool] = False
     knows_surface: ClassVar[bool] = False
     lacks: ClassVar[Mapping[Ability, str]] = {}
+    effort: ClassVar[Effort | None] = None
+    libraries: ClassVar[Mapping[str, str]] = {}
 
     @property
     @abstractmethod
@@ -128,6 +157,20 @@ class WorldKind(ABC):
     @abstractmethod
     def studio(self, view: View) -> TrialStudio:
         """A world in which a stored trial is looked at."""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Those of its libraries that are not installed."""
+        return tuple(name for name in self.libraries if importlib.util.find_spec(name) is None)
+
+    def effort_in(self, physics: Physics | None) -> Effort | None:
+        """How finely a spec's scene has physics worked out here, None where that cannot be chosen."""
+        if physics is None or self.effort is None:
+            return self.effort
+        return Effort(
+            self.effort.time_step if physics.time_step is None else physics.time_step,
+            self.effort.solver_iterations if physics.solver_iterations is None else physics.solver_iterations,
+        )
 
     def has(self, ability: Ability) -> bool:
         """Whether it has what a world may lack."""

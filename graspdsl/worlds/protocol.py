@@ -27,6 +27,10 @@ class UnstableObjectError(Exception):
     """An object that does not stand by itself where a trial begins."""
 
 
+class NoWindowError(Exception):
+    """A window that cannot be opened, for what the system says."""
+
+
 class UnreachableStartError(InfeasibleStartError):
     """A start that the arm cannot reach, whatever stands about."""
 

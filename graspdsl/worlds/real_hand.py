@@ -14,9 +14,9 @@ from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import logarithm
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.hands.articulated_inertia import mass_of, pose_of
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion, LinkMotion
+from graspdsl.models.urdf_text import mass_of, pose_of
 from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
 from graspdsl.worlds.protocol import Observation, Start

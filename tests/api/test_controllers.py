@@ -221,7 +221,7 @@ def test_what_is_not_read_may_be_unknown(controller: g.Controller) -> None:
         ("π_s|Γ", {}, r"^formula:1:6: error"),
         ("π_close|Γ Γ then π_gx|Γ Γ", {}, r"^formula: error\[several-controllers\]: 'then' makes 2 controllers"),
         (GRASP, {"hand": "baret"}, r"error\[unknown-hand\](.|\n)*\| +\^+\n  hint: did you mean barrett\?$"),
-        (GRASP, {"mount": "crane"}, r"error\[unknown-value\]: expected gantry or wam"),
+        (GRASP, {"mount": "crane"}, r"error\[unknown-mount\]: there is no mount 'crane'"),
         (GRASP, {"hand": "nowhere.yaml"}, r"there is no file nowhere\.yaml"),
         (GRASP, {"resources": {"γ1": "finger-9"}}, r"error\[unknown-contact\](.|\n)*γ1: finger-9"),
         (GRASP, {"parameters": {"κ_f": "much"}}, r"error\[wrong-form\]: expected a number or a list of numbers"),

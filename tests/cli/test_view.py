@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import os
 from pathlib import Path
 
@@ -17,15 +16,17 @@ from PIL import Image
 from stored_runs import stored_run
 
 from graspdsl.hands.descriptions import robot
+from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.trials.replay import Replay, frame
 from graspdsl.trials.store import RunFolder
 from graspdsl.worlds.annotations import INK
-from graspdsl.worlds.bullet.replay import GraspStudio, HandStudio, SurfaceStudio
+from graspdsl.worlds.mujoco.studio import GraspStudio, HandStudio, SurfaceStudio
 
 from .program import ROOT, SPEC, graspdsl, interrupt, stopped
 
 pytestmark = pytest.mark.slow
 
+RADIUS = robot("barrett", "gantry").hand.contacts["finger-1"].shape.radius
 QUICK = ("trials.count=2", "program.1.limit=1.0", "trials.start.roll=0.3")
 HANDS = ROOT / "graspdsl" / "hands"
 FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
@@ -38,17 +39,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
 
 
 def test_fingertips_are_where_they_touched(folder: RunFolder) -> None:
-    """Replayed without physics, a fingertip that touched is at the object's surface, soft as it is."""
+    """Replayed without physics, the middle of a fingertip is a radius from where it touched, soft as it is."""
     with Replay(folder, 0) as replay:
         assert isinstance(replay.studio, GraspStudio)
-        hand, scene = replay.studio.hand, replay.studio.scene
         checked = 0
         for tick in range(0, replay.ticks, 7):
             replay.show(tick)
             touching = replay.rows["touching"][tick].astype(bool)
-            tips = itertools.compress(hand.tips, touching)
-            distances = [scene.distance_to_object(hand.body, tip.link, 1.0) for tip in tips]
-            assert np.abs(distances).max(initial=0.0) < 2e-3
+            away = np.linalg.norm(replay.studio.robot.tips() - replay.rows["points"][tick], axis=1)
+            assert np.abs(away[touching] - RADIUS).max(initial=0.0) < 2e-3
             checked += int(touching.sum())
         assert checked > 10
 
@@ -86,10 +85,7 @@ def test_of_floating_contacts_those_of_the_grasp_are_drawn(tmp_path: Path) -> No
         last = replay.ticks - 1
         assert replay.rows["touching"][last].sum() == 8
         assert isinstance(replay.studio, SurfaceStudio)
-        engine, client = replay.studio.engine, replay.studio.client
-        bodies = [engine.getBodyUniqueId(row, client) for row in range(engine.getNumBodies(client))]
-        places = [engine.getBasePositionAndOrientation(body, client)[0] for body in bodies[1:]]  # but for the object
-        np.testing.assert_allclose(places, replay.rows["points"][last, :3], atol=1e-6)
+        np.testing.assert_allclose(replay.studio.data.mocap_pos, replay.rows["points"][last, :3], atol=1e-6)
         starts = [arrow.start for arrow in replay.arrows(last)]
         used = replay.camera.pixels(replay.rows["points"][last, :3].astype(float))
         assert len(starts) == 6
@@ -169,7 +165,6 @@ def test_objects_and_hands(words: tuple[str, ...], names: list[str], tmp_path: P
 
 @pytest.mark.parametrize("name", ["barrett", "trio"])
 def test_the_contacts_of_a_hand_are_marked_at_its_fingertips(name: str, tmp_path: Path) -> None:
-    """The engine's box about the sphere that a fingertip is has the same middle."""
     done = graspdsl("view", "--hand", name, "--images", "seen", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     shown = robot(name, "gantry")
@@ -181,9 +176,8 @@ def test_the_contacts_of_a_hand_are_marked_at_its_fingertips(name: str, tmp_path
         camera = studio.camera(list(postures.values()), 640, 480)
         for posture, joints in postures.items():
             studio.show(joints)
-            tips = studio.tips()
-            boxes = [studio.engine.getAABB(studio.hand.body, tip.link, studio.client) for tip in studio.hand.tips]
-            np.testing.assert_allclose(tips, np.mean(boxes, axis=1), atol=1e-6)
+            tips = studio.robot.tips()
+            np.testing.assert_allclose(tips, FingertipMotion(shown).centres(joints), atol=1e-9)
             picture = np.asarray(Image.open(tmp_path / "seen" / f"{name}-{posture}.png").convert("RGB"))
             marks = [picture[round(y), round(x)] for x, y in camera.pixels(tips)]
             assert (np.array(marks) == INK).all()
@@ -289,3 +283,10 @@ def test_without_a_display_there_is_no_window(folder: RunFolder, tmp_path: Path)
     assert done.returncode == 1
     assert "error[no-display]" in done.stderr
     assert "--images" in done.stderr
+
+
+def test_a_display_that_there_is_not_is_said(tmp_path: Path) -> None:
+    done = graspdsl("view", "--object", "ball", cwd=tmp_path, env={"DISPLAY": ":9999"})
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("ball: error[no-display]: a window cannot be opened: ")
+    assert done.stderr.count("\n") == 2

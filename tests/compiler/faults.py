@@ -328,6 +328,12 @@ EFFECTS = (
     Case("weight of nothing", spec(scene=WEIGHTLESS, monitors="lean: 0.2, table: 1", evaluate="lift, shake")),
     Case("gravity of nothing", spec("π_rgθ|γ1 {γ1, γ_g}", scene=WEIGHTLESS_HELD)),
     _floating("gravity of what floats on its contacts", scene="object: ball, gravity: 1.62"),
+    _floating("physics of what floats on its contacts", scene="object: ball, physics: {time_step: 0.001}"),
+    Case("steps of physics that are no part of a tick", spec(scene=f"{TOWEL_ROLL}, physics: {{time_step: 0.003}}")),
+    Case(
+        "physics that is out of range",
+        spec(scene=f"{TOWEL_ROLL}, physics: {{time_step: 2, solver_iterations: 0.5, substeps: 3}}"),
+    ),
     Case("forces that no virtual contact shares", spec("π_close|γ1 γ1", control="virtual_forces: shared")),
     Case(
         "a share under which a touch ends",
@@ -344,7 +350,7 @@ OVERRIDES = (
     Case("a parameter on the command line", spec("π_close|Γ Γ"), ("parameters.kappa_f=1",)),
     Case("a hand on the command line", spec(), ("scene.hand=baret",)),
     Case("a mesh by its name alone on the command line", spec(), ("scene.object=/x/m.stl",)),
-    Case("a mesh of an unknown kind", spec(), ("scene.object=/x/m.ply",)),
+    Case("a mesh of an unknown kind", spec(), ("scene.object=/x/m.step",)),
     Case("a mesh by its name alone as a mesh", spec(), ("scene.object={mesh: /x/m.stl}",)),
     Case("a mesh inside a name", spec(), ("scene.object.mesh.file=/x/m.stl",)),
     Case("a mass inside a name", spec(), ("scene.object.mass=1",)),

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from shipped import NAMES, SPECS
 
 from graspdsl.compiler.program import examine
 
 from .observations import observation
 from .specs import floating, program, spec
 
-SPECS = Path(__file__).resolve().parents[2] / "specs"
-NAMES = sorted(path.relative_to(SPECS).as_posix() for path in SPECS.rglob("*.yaml"))
 SLIDE = "π_s|Γ Γ (π_gx|Γ Γ)"
 PRESS, PLACE = "φ_f|τ_f(Γ) σ_f(Γ) (κ_f σ_n(Γ))", "φ_p|τ_p(Γ) σ_p(Γ) (π_gx|Γ Γ)"
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from shipped import NAMES, SPECS
 
 from graspdsl.compiler.explain import explained
 from graspdsl.compiler.pipeline import Pipeline
@@ -17,8 +17,6 @@ from graspdsl.trials.setup import trial_loop
 
 from .specs import spec
 
-SPECS = Path(__file__).resolve().parents[2] / "specs"
-NAMES = sorted(path.relative_to(SPECS).as_posix() for path in SPECS.rglob("*.yaml"))
 FORMULAS = ("π_s|Γ Γ (π_gx|Γ Γ)", "π_gx|Γ Γ", "π_cstar|Γ Γ", "π_gθ|γ1 {γ1, γ_g}", "π_close|Γ Γ then π_sgx|Γ Γ")
 
 

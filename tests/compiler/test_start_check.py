@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from shipped import SHIPPED, SPECS
 
 from graspdsl.compiler.program import examine
 
-SPECS = Path(__file__).parents[2] / "specs"
 MAIN = SPECS / "towel_roll_two_contacts.yaml"
 
 
@@ -36,6 +36,8 @@ def told(*settings: str) -> dict[str, str]:
         (["scene.object={sphere: {diameter: 0.3}, mass: 1}"], "object-too-wide", "300 mm wide"),
         (["scene.object={box: {size: [0.3, 0.32, 0.3]}, mass: 1}"], "object-too-wide", "opens to 286 mm"),
         (["scene.object={ellipsoid: {size: [0.06, 0.06, 0.12]}, mass: 1}"], "object-falls", "tips over by 90°"),
+        (["trials.start.height={relative: {uniform: [1.2, 1.5]}}"], "start-out-of-place", "the palm is 0.24 m or more"),
+        (["scene.object={like: towel-roll, pose: {rpy: [0.03, 0, 0]}}"], "object-tips", "the object tips by 1.7°"),
         (["scene.object={box: {size: [0.1, 0.1, 1.8]}, mass: 1}"], "object-size", "1.8 m long"),
     ],
 )  # fmt: skip
@@ -55,6 +57,7 @@ def test_what_no_trial_can_begin_with(settings: list[str], code: str, said: str)
         ["scene.object=bottle"],  # it has a neck
         ["scene.object=squirt-bottle"],
         ["scene.object=detergent-bottle"],
+        ["scene.object={like: towel-roll, pose: lay-down}", "trials.start.height={relative: 0.5}"],
         ["scene.object={ellipsoid: {size: [0.06, 0.06, 0.12]}, mass: 1}", "scene.gravity=0"],
     ],
 )
@@ -62,7 +65,7 @@ def test_what_some_trial_can_begin_with(settings: list[str]) -> None:
     assert set(told(*settings)) & {"start-out-of-place", "object-too-wide", "object-falls", "object-size"} == set()
 
 
-@pytest.mark.parametrize("spec", sorted(SPECS.rglob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("spec", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_specs_can_begin(spec: Path) -> None:
     codes = {d.code for d in examine(spec.read_text("utf-8"), spec.name).diagnostics}
     assert codes & {"start-out-of-place", "object-too-wide", "object-falls", "object-size"} == set()

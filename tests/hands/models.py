@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from graspdsl.models.model import Model
+from graspdsl.models.reading import model_in
+from graspdsl.places.files import SpecFolder
+
 URDF = """\
 <robot name="two">
   <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
@@ -72,6 +76,11 @@ def write(folder: Path, urdf: str | bytes = URDF, hand: str = HAND) -> Path:
     (folder / "hand.yaml").write_text(hand, encoding="utf-8")
     (folder / "spec.yaml").write_text(SPEC, encoding="utf-8")
     return folder / "spec.yaml"
+
+
+def model_of(text: str, root: str = "", name: str = "two.urdf") -> Model:
+    """The model in a text that names no files."""
+    return model_in(text.encode(), SpecFolder(Path("/")), name, root)
 
 
 def with_links(links: int) -> str:

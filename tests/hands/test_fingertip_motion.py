@@ -9,13 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import program_of
-from graspdsl.hands.descriptions import joint_limits, robot
+from graspdsl.hands.descriptions import Robot, joint_limits, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
+from graspdsl.hands.hand_files import hand_in
+from graspdsl.places.files import SpecFolder
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.hand import BulletHand
+
+from .models import HAND, URDF, changed, write
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "chapter" / "close.yaml"
 
@@ -54,6 +59,32 @@ def test_links_are_where_the_engine_has_them(mount: str) -> None:
         for found, known_one in zip(link.jacobians(place), engines, strict=True):
             np.testing.assert_allclose(found, known_one, rtol=0.0, atol=1e-12)
     engine.disconnect(client)
+
+
+def test_a_palm_may_face_any_way_in_the_frame_of_the_root(tmp_path: Path) -> None:
+    """The small hand on a link that is turned and elsewhere: told where its palm faces, it moves as it did."""
+    turned, place = turned_by_angles((0.4, -0.7, 1.1)), np.array([0.1, -0.2, 0.3])
+    joint = (
+        '<joint name="on" type="fixed"><parent link="forearm"/><child link="palm"/><origin xyz="{}" rpy="{}"/></joint>'
+    )
+    on = joint.format(" ".join(map(str, place)), "0.4 -0.7 1.1")
+    robots = []
+    for root, urdf, more in (
+        ("palm", URDF, ""),
+        (
+            "forearm",
+            changed(URDF, ("</robot>", f'<link name="forearm"/>{on}</robot>')),
+            f"palm_normal: {(2 * turned[:, 2]).tolist()}\npalm_across: {(turned[:, 0] + turned[:, 2]).tolist()}\n"
+            f"palm_centre: {place.tolist()}\n",
+        ),
+    ):
+        write(tmp_path, urdf, changed(HAND, ("root: palm", f"root: {root}")) + more)
+        robots.append(Robot(hand=hand_in(SpecFolder(tmp_path), "hand.yaml").hand, mount=mounts()["gantry"]))
+    joints = np.linspace(0.1, 0.8, len(robots[0].joints))
+    one, other = (FingertipMotion(robot) for robot in robots)
+    np.testing.assert_allclose(one.centres(joints), other.centres(joints), atol=1e-9)
+    assert one.reach() == pytest.approx(other.reach())
+    assert robots[1].hand.palm == "palm"
 
 
 def test_strength_is_effort_over_lever() -> None:

@@ -14,10 +14,11 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import HERE, Robot, mounts
 from graspdsl.hands.fingertip_check import ALIKE
 from graspdsl.hands.fingertips import reach
-from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
+from graspdsl.hands.hand_files import FoundHand, hand_in
 from graspdsl.places.files import SpecFolder
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import pybullet
@@ -52,7 +53,7 @@ def _found(folder: Path, geometry: str, declared: str = SPHERE, looks: str = LOO
 def _complaints(folder: Path, geometry: str, declared: str = SPHERE) -> tuple[Diagnostic, ...]:
     try:
         return _found(folder, geometry, declared).warnings
-    except HandFileError as error:
+    except DescriptionFileError as error:
         return error.diagnostics
 
 

@@ -13,9 +13,10 @@ import yaml
 
 from graspdsl.compiler.program import examine, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, as_text
+from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import HERE, Robot, mounts
-from graspdsl.hands.hand_files import FoundHand, HandFileError, hand_in
-from graspdsl.hands.model_joints import UNSTATED_EFFORT
+from graspdsl.hands.hand_files import FoundHand, hand_in
+from graspdsl.models.model import UNSTATED_EFFORT
 from graspdsl.places.files import SpecFolder
 from graspdsl.trials.identity import identities
 from graspdsl.trials.setup import trial_loop
@@ -94,7 +95,7 @@ def write_gripper(folder: Path, text: str = GRIPPER) -> None:
 
 def complaints(folder: Path, changes: dict[str, object], **model: str) -> tuple[Diagnostic, ...]:
     """What is said of the small hand with changes."""
-    with pytest.raises(HandFileError) as caught:
+    with pytest.raises(DescriptionFileError) as caught:
         read(folder, changes, **model)
     return caught.value.diagnostics
 
@@ -122,6 +123,9 @@ FAULTY = (
     ({"contacts": {"pad": {"link": "tips", "sphere": {"radius": 0.01}}}}, "unknown-link", "tip"),
     ({"contacts": {"pad": {"link": "tip", "cell": "sell", "sphere": {"radius": 0.01}}}}, "unknown-joint", "cell"),
     ({"contacts": {"pad": {"link": "tip", "cell": "bend", "sphere": {"radius": 0.01}}}}, "wrong-load-cell", "cell"),
+    ({"contacts": {"pad": {"sphere": {"radius": 0.01}}}}, "missing-key", "a shape and no link"),
+    ({"contacts": {"pad": {"link": "tip", "cell": "cell"}}}, "wrong-form", "exactly one shape"),
+    ({"contacts": {"pad": {"link": "tip", "onto": "tip", "sphere": {"radius": 0.01}}}}, "wrong-form", "put onto one"),
     ({"joint_sets": {"all-fingers": ["bend", "bond"]}}, "unknown-joint", "bend"),
     ({"joint_sets": {"all-fingers": ["bend", "cell"]}}, "joint-not-driven", "cell is not among the driven joints"),
     ({"postures": {"open": {"cell": 0.0}}}, "joint-not-driven", "cell is not among the driven joints"),
@@ -147,7 +151,7 @@ def test_lines_are_counted_alike_whatever_ends_them(tmp_path: Path, end: str) ->
     line = 1 + text[: text.index("palm")].count("\n")
     (tmp_path / "hand.yaml").write_bytes(text.replace("\n", end).encode())
     (tmp_path / "two.urdf").write_text(TWO_LINKS.replace("{mesh}", "").replace("{lower}", "0"), encoding="utf-8")
-    with pytest.raises(HandFileError) as caught:
+    with pytest.raises(DescriptionFileError) as caught:
         hand_in(SpecFolder(tmp_path), "hand.yaml")
     (fault,) = caught.value.diagnostics
     assert fault.span is not None

@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError, Severity
-from graspdsl.hands.hand_files import HandFileError, hand_in
-from graspdsl.hands.robot_model import MOST_LINKS, robot_model
+from graspdsl.hands.description_files import DescriptionFileError
+from graspdsl.hands.descriptions import Robot, joint_limits, mounts
+from graspdsl.hands.hand_files import hand_in
+from graspdsl.models.urdf import MOST_LINKS
+from graspdsl.models.urdf_text import urdf_text
 from graspdsl.places.files import SpecFolder
 from graspdsl.worlds.bullet.engine import pybullet, silenced
 
-from .models import HAND, URDF, changed, with_links, write
+from .models import HAND, URDF, changed, model_of, with_links, write
 
 TARGET = 0.5
 TICKS = 240
@@ -37,7 +40,7 @@ def _complaints(folder: Path, urdf: str, hand: str) -> list[tuple[str, str]]:
     write(folder, urdf, hand)
     try:
         hand_in(SpecFolder(folder), "hand.yaml")
-    except HandFileError as error:
+    except DescriptionFileError as error:
         errors = (fault for fault in error.diagnostics if fault.severity is Severity.ERROR)
         return [(fault.code, f"{fault.message} {fault.hint}") for fault in errors]
     return []
@@ -70,7 +73,7 @@ CONTINUOUS = (
 def test_a_continuous_joint_may_follow_and_moves(thumb: str, tmp_path: Path) -> None:
     urdf = _urdf(thumb, "continuous")
     assert _complaints(tmp_path, urdf, COUPLED + FOLLOWS.format(RATIO)) == []
-    with _loaded(robot_model(urdf.encode(), "two.urdf", "").with_meshes({}), tmp_path) as (engine, client, body, at):
+    with _loaded(urdf_text(model_of(urdf)), tmp_path) as (engine, client, body, at):
         joint = at["thumb-bend"]
         engine.setJointMotorControl2(
             body, joint, engine.POSITION_CONTROL, targetPosition=TARGET, force=1.0, physicsClientId=client
@@ -90,9 +93,8 @@ def test_a_continuous_joint_is_not_driven(tmp_path: Path) -> None:
     assert (code, "thumb-bend has no limits" in said) == ("joint-without-limits", True)
 
 
-@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_a_follower_of_another_kind_has_limits_for_the_engine(kind: str, tmp_path: Path) -> None:
-    ((code, _),) = _complaints(tmp_path, _urdf(CONTINUOUS[0], kind), COUPLED + FOLLOWS.format(RATIO))
+def test_a_slide_without_limits_is_not_led(tmp_path: Path) -> None:
+    ((code, _),) = _complaints(tmp_path, _urdf(CONTINUOUS[0], "prismatic"), COUPLED + FOLLOWS.format(RATIO))
     assert code == "joint-without-limits"
 
 
@@ -100,7 +102,7 @@ MIMIC = '{}<mimic joint="{}" multiplier="{}" offset="{}"/>'
 AGREED = (("bend", 0.75, 0.0, 0.75), ("bend", -0.4, 1e-9, -0.4), ("bend", 0.3333, 0.0, 0.33333))
 DENIED = (
     ("bend", -1.0, 0.0, 1.0, "thumb-bend is -1 times bend, found 1"),
-    ("bend", 0.5, 0.1, 0.5, "thumb-bend is 0.1 off where bend is 0"),
+    ("bend", 0.5, 0.1, 0.5, "thumb-bend is at 0.1 where bend is 0, found 0"),
     ("other", 0.5, 0.0, 0.5, "thumb-bend mimics other in the model, and follows bend here"),
 )
 
@@ -124,6 +126,52 @@ def test_a_coupling_that_denies_what_the_model_says_is_one_complaint(
     assert said in message
 
 
+ADOPTED = ((-0.4, 0.25), (0.5, -0.1))
+
+
+@pytest.mark.parametrize(("multiplier", "offset"), ADOPTED)
+def test_what_a_file_says_nothing_of_follows_as_its_model_says(
+    multiplier: float, offset: float, tmp_path: Path
+) -> None:
+    """The tip of the thumb is where the engine has it in the file's own model with the thumb led as it says."""
+    mimic = MIMIC.format(THUMB_LIMIT, "bend", multiplier, offset)
+    write(tmp_path, _urdf(mimic), COUPLED)
+    hand = hand_in(SpecFolder(tmp_path), "hand.yaml").hand
+    assert (hand.couplings["thumb-bend"].follows, hand.couplings["thumb-bend"].ratio) == ("bend", multiplier)
+    assert hand.contacts["thumb"].finger == ("bend",)
+    poses = []
+    for model, thumb in ((_urdf(mimic), multiplier * 0.6 + offset), (hand.model, multiplier * 0.6)):
+        with _loaded(model, tmp_path) as (engine, client, body, at):
+            engine.resetJointState(body, at["thumb-bend"], thumb, physicsClientId=client)
+            state = engine.getLinkState(body, at["thumb-bend"], computeForwardKinematics=True, physicsClientId=client)
+            low, high = engine.getJointInfo(body, at["thumb-bend"], client)[8:10]
+            assert low <= thumb <= high
+            poses.append(np.concatenate(state[4:6]))
+    np.testing.assert_allclose(*poses, atol=1e-6)
+
+
+@pytest.mark.parametrize(("ratio", "code"), [(1.02, "clipped-range"), (1.2, "wrong-coupling")])
+def test_a_range_that_is_slightly_too_wide_is_clipped(ratio: float, code: str, tmp_path: Path) -> None:
+    write(tmp_path, URDF, COUPLED + FOLLOWS.format(ratio))
+    if code == "wrong-coupling":
+        with pytest.raises(DescriptionFileError) as caught:
+            hand_in(SpecFolder(tmp_path), "hand.yaml")
+        assert [fault.code for fault in caught.value.diagnostics] == [code]
+        return
+    found = hand_in(SpecFolder(tmp_path), "hand.yaml")
+    assert [warning.code for warning in found.warnings] == [code]
+    assert joint_limits(Robot(hand=found.hand, mount=mounts()["gantry"]))[1][-1] == pytest.approx(1.0 / ratio)
+    assert found.hand.postures["closed"]["bend"] == pytest.approx(1.0 / ratio)
+
+
+def test_limits_that_a_mimic_contradicts_are_passed_over(tmp_path: Path) -> None:
+    write(tmp_path, _urdf(MIMIC.format(THUMB_LIMIT, "bend", -1.0, 0.0)), COUPLED)
+    found = hand_in(SpecFolder(tmp_path), "hand.yaml")
+    assert [warning.code for warning in found.warnings] == ["mimic-beyond-limits"]
+    with _loaded(found.hand.model, tmp_path) as (engine, client, body, at):
+        assert engine.getJointInfo(body, at["thumb-bend"], client)[8:10] == (-1.0, 0.5)
+
+
 def test_mimicry_is_followed_through_other_joints_and_either_way(tmp_path: Path) -> None:
     """The driven joint mimics one that the file couples to it: the ratio is one over the multiplier."""
     bend = '<axis xyz="0 1 0"/>'
@@ -144,7 +192,7 @@ def test_a_joint_without_room_is_fixed_where_it_is(kind: str, tmp_path: Path) ->
     ((code, said),) = _complaints(tmp_path, urdf, HAND)
     assert (code, "its limits are both 0.3" in said) == ("joint-not-movable", True)
     poses = []
-    for model in (urdf, robot_model(urdf.encode(), "two.urdf", "").with_meshes({})):
+    for model in (urdf, urdf_text(model_of(urdf))):
         with _loaded(model, tmp_path) as (engine, client, body, at):
             engine.resetJointState(body, at["thumb-bend"], place, physicsClientId=client)
             state = engine.getLinkState(body, at["thumb-bend"], computeForwardKinematics=True, physicsClientId=client)
@@ -205,6 +253,6 @@ def test_kinds_of_joints_above_the_root_are_nothing_to_the_hand(kind: str, tmp_p
 @pytest.mark.parametrize(("root", "hint"), [("", "name the link the hand begins with"), ("palm", "nearer to")])
 def test_the_hint_of_too_many_links_knows_of_the_root(root: str, hint: str) -> None:
     with pytest.raises(DiagnosticError) as caught:
-        robot_model(with_links(MOST_LINKS).encode(), "two.urdf", root)
+        model_of(with_links(MOST_LINKS), root)
     (fault,) = caught.value.diagnostics
     assert hint in (fault.hint or "")

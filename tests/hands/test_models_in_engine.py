@@ -45,11 +45,15 @@ def test_a_long_model_may_stand_on_one_line(tmp_path: Path) -> None:
         assert "l89" in hand.link_index
 
 
-def test_a_link_that_says_nothing_of_its_mass_has_none(tmp_path: Path) -> None:
+def test_a_link_that_says_nothing_of_its_mass_has_that_of_its_geometry(tmp_path: Path) -> None:
     write(tmp_path, changed(URDF, (INERTIAL, "")))
-    with _in_engine(hand_in(SpecFolder(tmp_path), "hand.yaml")) as (engine, client, hand):
+    found = hand_in(SpecFolder(tmp_path), "hand.yaml")
+    assert [warning.code for warning in found.warnings] == ["weighed"]
+    assert "tip without <inertial> weigh what their geometry does as water, 4.19 g in all" in found.warnings[0].message
+    with _in_engine(found) as (engine, client, hand):
         masses = {name: engine.getDynamicsInfo(hand.body, i, client)[0] for name, i in hand.link_index.items()}
-    assert (masses["tip"], masses["finger"]) == (0.0, pytest.approx(0.1))
+    water = 1000.0 * 4.0 / 3.0 * np.pi * 0.01**3
+    assert (masses["tip"], masses["finger"]) == (pytest.approx(water), pytest.approx(0.1))
 
 
 def test_an_axis_of_any_length_is_a_direction(tmp_path: Path) -> None:

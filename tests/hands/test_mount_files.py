@@ -62,18 +62,18 @@ def test_a_file_or_a_folder_of_mounts_is_read_with_its_model(folder: Path) -> No
             "",
             "portal.yaml:8:3: the joint turn of the model moves, but is",
         ),
+        (
+            "portal.yaml",
+            "face: flange",
+            "face: frame",
+            "portal.yaml:8:11: the joint rail-x does not move the face frame",
+        ),
         ("portal.yaml", "turn:", "twist:", "portal.yaml:11:10: there is no joint 'twist'"),
         ("portal.yaml", "rails: [", "turn: [", "portal.yaml:13:9: the joint set turn has the name of a joint"),
         ("portal.yaml", "rail-z]", "rail-w]", "portal.yaml:13:27: there is no joint 'rail-w'"),
         ("portal.yaml", "weight: 2.0", "weight: -2.0", "portal.yaml:11:18: expected a number above 0"),
-        ("portal.yaml", "urdf: portal.urdf", "urdf: gate.urdf", "portal.yaml: there is no file gate.urdf"),
-        (
-            "portal.urdf",
-            '"turn" type="revolute"',
-            '"turn" type="continuous"',
-            "portal.yaml:11:9: the joint turn has",
-        ),
-        ("portal.urdf", "<robot", "<robots", "portal.yaml: "),
+        ("portal.yaml", "urdf: portal.urdf", "urdf: gate.urdf", "portal.yaml:4:7: there is no file gate.urdf"),
+        ("portal.urdf", "<robot", "<robots", "portal.yaml:4:7: portal.urdf is no XML"),
     ],
 )
 def test_a_fault_is_told_with_its_place(folder: Path, file: str, old: str, new: str, said: str) -> None:

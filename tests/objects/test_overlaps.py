@@ -9,14 +9,15 @@ import pytest
 import trimesh
 
 from graspdsl.diagnostics import Diagnostic, Severity
+from graspdsl.models.mesh_files import triangles
 from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Placed
 from graspdsl.objects.cylinder import Cylinder
-from graspdsl.objects.mesh_files import mesh_of_file
+from graspdsl.objects.mesh_files import mesh_of_triangles
+from graspdsl.objects.model_files import object_of_urdf
 from graspdsl.objects.overlaps import overlaps
 from graspdsl.objects.sphere import Sphere
 from graspdsl.objects.triangles import TriangleMesh
-from graspdsl.objects.urdf_files import object_of_urdf
 from graspdsl.places.files import SpecFolder
 
 from .parts import URDF, cylinder, ring, without, write
@@ -26,7 +27,7 @@ CLOSE = 0.01  # of the smaller part
 
 def _mesh(folder: Path, mesh: trimesh.Trimesh) -> TriangleMesh:
     content = write(mesh, folder / "part.stl").read_bytes()
-    return mesh_of_file("part.stl", content, np.ones(3), None, lambda _: None, centred=False)
+    return mesh_of_triangles("part.stl", *triangles("part.stl", content), None, lambda _: None)
 
 
 def _lens(radius: float, away: float) -> float:
@@ -121,7 +122,7 @@ def test_a_urdf_with_overlapping_parts_is_warned_of(inertial: str, tmp_path: Pat
     """Its inertia is worked out of its parts, whatever it says itself."""
     (found,) = _said(tmp_path, TWO.format(inertial=inertial, x=0.06))
     assert (found.code, found.severity) == ("overlapping-parts", Severity.WARNING)
-    assert "thing.urdf:2:22 and thing.urdf:3:46 share about 40% of the smaller" in found.message
+    assert "thing.urdf:2:1 and thing.urdf:3:1 share about 40% of the smaller" in found.message
     assert _said(tmp_path, TWO.format(inertial=inertial, x=0.1)) == []
 
 

@@ -7,15 +7,20 @@ import math
 import numpy as np
 import pytest
 import trimesh
+import yaml
 
+from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.ellipsoid import Ellipsoid
 from graspdsl.objects.shape import Shape
 from graspdsl.objects.shapes import Body, shape_from
-from graspdsl.objects.standing import fall_of
+from graspdsl.objects.standing import fall_of, pose_at_rest
 from graspdsl.objects.superquadric import Superquadric
 from graspdsl.objects.triangles import TriangleMesh, enclosed
-from graspdsl.worlds.bullet.settling import resting_pose
+from graspdsl.objects.turned import Turned, posed, turned
+from graspdsl.spec.scene import InlineObject
+from graspdsl.worlds.bullet.stage import BulletEngine
 from graspdsl.worlds.protocol import UnstableObjectError
+from graspdsl.worlds.rigid.settling import resting_pose
 
 
 @pytest.mark.slow
@@ -80,6 +85,23 @@ def test_the_engine_says_the_same(shape: Shape) -> None:
     fall = math.degrees(fall_of(shape))
     if fall > 5.0:
         with pytest.raises(UnstableObjectError):
-            resting_pose(Body("", shape, 0.3), 0.5, 9.81)
+            resting_pose(BulletEngine(), Body("", shape, 0.3), 0.5, 9.81)
     else:
-        resting_pose(Body("", shape, 0.3), 0.5, 9.81)
+        resting_pose(BulletEngine(), Body("", shape, 0.3), 0.5, 9.81)
+
+
+@pytest.mark.parametrize(
+    ("shape", "pose"),
+    [
+        (Ellipsoid(size=(0.06, 0.06, 0.12)), "pose: lay-down"),
+        (turned(Cylinder(diameter=0.08, height=0.1), (0.03, 0.0, 0.0)), None),  # it tips by 1.7°
+        (turned(Ellipsoid(size=(0.08, 0.1, 0.12)), (1.5708, 0.0, 0.0)), None),
+    ],
+)
+def test_in_the_pose_that_is_proposed_it_stays(shape: Shape, pose: str | None) -> None:
+    said = pose_at_rest(shape)
+    assert said is not None
+    assert pose in (None, said)
+    whole = shape.shape if isinstance(shape, Turned) else shape
+    thing = InlineObject.model_validate({"sphere": {"diameter": 0.1}, **yaml.safe_load(said)})
+    assert fall_of(posed(whole, thing.pose)) == 0.0

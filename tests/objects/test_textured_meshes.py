@@ -45,7 +45,7 @@ def _globe_volume() -> float:
 def _read(text: str) -> tuple[float, list[str]]:
     """The volume [m³] of an OBJ file, and what is said of it."""
     said: list[Diagnostic] = []
-    mesh = mesh_of_file("a.obj", text.encode(), np.ones(3), None, said.append)
+    mesh = mesh_of_file("a.obj", text.encode(), 1.0, None, said.append)
     return mesh.solid.volume, [diagnostic.code for diagnostic in said]
 
 

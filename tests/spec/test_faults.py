@@ -37,7 +37,7 @@ def place(diagnostic: Diagnostic) -> str:
 
 DISTRIBUTION = "a number, {uniform: [low, high]}, {normal: [mean, sd]} or {choice: [a, b, …]}"
 OBJECT = "the name of an object, or an object such as {cylinder: {diameter: 0.10, height: 0.20}}"
-SHAPES = "cylinder, sphere, box, ellipsoid, superquadric, bottle, mesh, urdf, or like"
+SHAPES = "cylinder, sphere, box, ellipsoid, superquadric, bottle, mesh, urdf, mjcf, or like"
 SHAPE = f"an object has exactly one shape ({SHAPES}), found"
 
 
@@ -78,6 +78,14 @@ SHAPE = f"an object has exactly one shape ({SHAPES}), found"
             "did you mean load-cell?",
         ),
         ("world: bullet", "wrld: bullet", "unknown-key", "5:3", "'scene' has no key 'wrld'", "did you mean world?"),
+        (
+            "height: {uniform: [0.06, 0.16]}",
+            "height: {relative: 0.5, uniform: [0.06, 0.16]}",
+            "wrong-form",
+            "34:13",
+            f"expected {DISTRIBUTION}, or {{relative: …}} with one of them, in m; found a mapping",
+            "write exactly one of them",
+        ),
         ("friction: 0.4", "friction: 1_0", "wrong-type", "9:13", "expected a number, found the text '1_0'", None),
         ("hand: barrett", "hand: 5", "wrong-type", "6:9", "expected text, found 5", 'put it in quotes: "5"'),
         ("object: towel-roll", "object: 5", "wrong-form", "8:11", f"expected {OBJECT}; found 5", None),

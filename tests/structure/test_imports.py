@@ -19,6 +19,7 @@ ORDER = (
     {"diagnostics", "arrays", "units", "declared"},
     {"places", "angles"},
     {"notation"},
+    {"models"},
     {"objects"},  # below the spec, whose keys of an object are those of the table of shapes
     {"spec"},
     {"basis"},
@@ -115,6 +116,11 @@ def test_only_the_bullet_world_imports_pybullet(library: str) -> None:
     assert _within("worlds.bullet", _importers(library))
 
 
+def test_only_models_and_the_mujoco_world_import_mujoco() -> None:
+    allowed = ("graspdsl.models", "graspdsl.worlds.mujoco")
+    assert not [name for name in _importers("mujoco") if not name.startswith(allowed)]
+
+
 def test_tactile_sensors_know_no_engine() -> None:
     touch = [module for module in MODULES if module.startswith("graspdsl.worlds.touch")]
     assert len(touch) > 1
@@ -123,10 +129,11 @@ def test_tactile_sensors_know_no_engine() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("world", ["graspdsl.worlds.bullet.world", "graspdsl.worlds.bullet.probing"])
-def test_worlds_are_made_by_their_entry_of_the_table_alone(world: str) -> None:
-    importers = {module for module in MODULES if any(f"{name}.".startswith(f"{world}.") for name in _imports(module))}
-    assert _within("worlds.bullet", importers)
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_engines_are_loaded_by_their_entry_of_the_table_alone(engine: str) -> None:
+    stage = f"graspdsl.worlds.{engine}.stage"
+    importers = {module for module in MODULES if any(f"{name}.".startswith(f"{stage}.") for name in _imports(module))}
+    assert _within(f"worlds.{engine}", importers - {"graspdsl.contracts.objects"})
 
 
 @pytest.mark.slow

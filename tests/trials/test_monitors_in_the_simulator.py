@@ -14,9 +14,9 @@ from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation
+from graspdsl.worlds.rigid.world import RigidWorld
 
 pytestmark = pytest.mark.slow
 
@@ -252,7 +252,7 @@ def test_draws_that_all_fail_are_told_by_their_commonest_reason() -> None:
 # A crash
 
 
-class Struck(BulletWorld):
+class Struck(RigidWorld):
     """A world in which a force without measure strikes a finger that grasps, so that the engine's numbers end."""
 
     def step(self, command: Command) -> Observation:

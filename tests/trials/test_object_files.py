@@ -9,7 +9,7 @@ import trimesh
 
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.identity import identities
+from graspdsl.trials.identity import identities, versions
 from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import RunFolder
 
@@ -50,6 +50,25 @@ def test_another_file_of_the_same_name_is_another_trial(tmp_path: Path) -> None:
     first = _program(_part(tmp_path / "spec").name, tmp_path / "spec")
     second = _program(_part(tmp_path / "spec", 0.16).name, tmp_path / "spec")
     assert identities(first, 1)(0) != identities(second, 1)(0)
+
+
+@pytest.mark.parametrize("world", ["bullet", "mujoco"])
+def test_versions_are_of_what_reads_files_and_of_what_runs(world: str, tmp_path: Path) -> None:
+    """MuJoCo's compiler reads models of files, whatever world they are put into."""
+    (tmp_path / "ball.urdf").write_text(
+        '<robot name="ball"><link name="ball"><collision><geometry><sphere radius="0.03"/></geometry></collision>'
+        "</link></robot>",
+        encoding="utf-8",
+    )
+    text = SPEC.read_text("utf-8").replace("world: bullet", f"world: {world}")
+    read = text.replace("object: towel-roll", "object: {urdf: ball.urdf}")
+    for spec, depends in ((text, world == "mujoco"), (read, True)):
+        program = program_of(spec, "spec.yaml", (), tmp_path)
+        made_by = versions(program)
+        assert ("mujoco" in made_by) == depends
+        assert (
+            identities(program, 1, {**made_by, "mujoco": "0.0"})(0) != identities(program, 1, made_by)(0)
+        ) == depends
 
 
 def test_a_run_does_not_go_on_with_another_file(tmp_path: Path) -> None:

@@ -49,6 +49,23 @@ def test_from_above_the_palm_keeps_its_standoff() -> None:
     assert np.allclose(start.position + PALM * start.rotation[:, 2], [0.0, 0.0, HEIGHT + 0.06], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("fraction", "metres"),
+    [
+        (0.5, 0.1),
+        ({"uniform": [0.25, 0.75]}, {"uniform": [0.05, 0.15]}),
+        ({"normal": [0.5, 0.1]}, {"normal": [0.1, 0.02]}),
+        ({"choice": [0.25, 1]}, {"choice": [0.05, 0.2]}),
+    ],
+)
+def test_a_height_may_be_a_fraction_of_that_of_the_object(fraction: object, metres: object) -> None:
+    relative, plain = (StartSettings.model_validate({"height": h}) for h in ({"relative": fraction}, metres))
+    assert relative.outcomes() == plain.outcomes()
+    of_roll = relative.before(ROLL.shape.extent[2])
+    drawn = [next(draws(start, ROLL, PALM, generator(1, 2))).drawn["height"] for start in (of_roll, plain)]
+    assert drawn[0] == pytest.approx(drawn[1], rel=1e-12)
+
+
 @given(ANGLES)
 def test_roll_turns_the_hand_about_the_normal_of_its_palm(roll: float) -> None:
     level, rolled = (pose("side", {**LEVEL, "roll": angle}, ROLL, PALM) for angle in (0.0, roll))

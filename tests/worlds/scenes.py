@@ -18,9 +18,10 @@ from graspdsl.hands.descriptions import HERE, Robot, robot
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.bullet.stage import BulletEngine
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start
+from graspdsl.worlds.rigid.world import RigidWorld
 from graspdsl.worlds.start_pose import pose
 
 ROBOT = robot("barrett", "gantry")
@@ -40,6 +41,11 @@ def settings(**changes: Any) -> WorldSettings:
     return WorldSettings(**{"robot": ROBOT, "body": ROLL, "friction": 0.4, **changes})
 
 
+def bullet_world(settings: WorldSettings) -> RigidWorld:
+    """A world by PyBullet."""
+    return RigidWorld(BulletEngine(), settings)
+
+
 def main_program(*overrides: str) -> Program:
     """The sliding experiment on the towel roll, with overrides."""
     return program_of(MAIN.read_text("utf-8"), MAIN.name, overrides)
@@ -57,7 +63,7 @@ def with_uneven_tips(folder: Path) -> Robot:
 
 
 @contextlib.contextmanager
-def opened(world: BulletWorld) -> Iterator[BulletWorld]:
+def opened(world: RigidWorld) -> Iterator[RigidWorld]:
     """A world that is closed at the end."""
     try:
         yield world
@@ -96,7 +102,7 @@ def still() -> Command:
     return moved()
 
 
-def run_phase(world: BulletWorld, program: Program, phase: int, ticks: int, seen: Observation) -> list[Observation]:
+def run_phase(world: RigidWorld, program: Program, phase: int, ticks: int, seen: Observation) -> list[Observation]:
     """What the world shows while the controller of a phase runs for some ticks."""
     pipeline = program.pipelines()[phase][0]
     shown = []
@@ -106,7 +112,7 @@ def run_phase(world: BulletWorld, program: Program, phase: int, ticks: int, seen
     return shown
 
 
-def grasped(world: BulletWorld, start: Start, program: Program, ticks: int = 200) -> Observation:
+def grasped(world: RigidWorld, start: Start, program: Program, ticks: int = 200) -> Observation:
     """Reset, and close the fingers until they press with the program's force."""
     seen = run_phase(world, program, 0, ticks, world.reset(start, 0))[-1]
     assert seen.touching.all()
@@ -121,30 +127,30 @@ def numbers(seen: Observation) -> bytes:
 
 def digest(commands: Array) -> str:
     """A hash of all that a new world shows while commands (t, n) are carried out."""
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         shown = [numbers(world.reset(side_start(roll=0.4), 0))]
         shown += [numbers(world.step(Command("q", row))) for row in commands]
     return hashlib.sha256(b"".join(shown)).hexdigest()
 
 
-def pose_of_palm(world: BulletWorld) -> tuple[Array, Rotation]:
+def pose_of_palm(world: RigidWorld) -> tuple[Array, Rotation]:
     """Where the palm is."""
     engine, hand = pybullet(), world.hand
-    state = engine.getLinkState(hand.body, hand.link_index["palm"], physicsClientId=world._client)
+    state = engine.getLinkState(hand.body, hand.link_index["palm"], physicsClientId=world.stage.client)
     return np.array(state[4]), Rotation.from_quat(state[5])
 
 
-def pose_of_object(world: BulletWorld) -> tuple[Array, Rotation]:
+def pose_of_object(world: RigidWorld) -> tuple[Array, Rotation]:
     """Where the object is."""
-    position, quaternion = pybullet().getBasePositionAndOrientation(world._scene.object, world._client)
+    position, quaternion = pybullet().getBasePositionAndOrientation(world.stage.scene.object, world.stage.client)
     return np.array(position), Rotation.from_quat(quaternion)
 
 
-def force_of_table(world: BulletWorld) -> Array:
+def force_of_table(world: RigidWorld) -> Array:
     """The force (3,) [N] with which the table bears the object."""
-    scene = world._scene
+    scene = world.stage.scene
     total = np.zeros(3)
-    for contact in pybullet().getContactPoints(scene.object, scene.table, physicsClientId=world._client):
+    for contact in pybullet().getContactPoints(scene.object, scene.table, physicsClientId=world.stage.client):
         # The normal points from the table to the object; friction is told as it acts on the table.
         total += contact[9] * np.array(contact[7])
         total -= contact[10] * np.array(contact[11]) + contact[12] * np.array(contact[13])

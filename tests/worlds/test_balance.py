@@ -12,11 +12,11 @@ from graspdsl.arrays import Array
 from graspdsl.objects.shapes import catalogue
 from graspdsl.worlds.bullet.engine import TIME_STEP, pybullet
 from graspdsl.worlds.bullet.hand import rotation_matrix
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import PARTIES
+from graspdsl.worlds.rigid.world import RigidWorld
 
-from .scenes import ROBOT, ROLL, grasped, main_program, opened, run_phase, settings, side_start, still
+from .scenes import ROBOT, ROLL, bullet_world, grasped, main_program, opened, run_phase, settings, side_start, still
 
 WITHIN = np.repeat([1e-7, 1e-8], 3)  # N, N·m
 STEPS = 20
@@ -40,9 +40,9 @@ class Step:
         return bool((np.abs(self.changed - told) < WITHIN).all())
 
 
-def stepped(world: BulletWorld) -> Iterator[Step]:
+def stepped(world: RigidWorld) -> Iterator[Step]:
     """Steps of physics that the world takes as it is."""
-    engine, client, thing = pybullet(), world._client, world._scene.object
+    engine, client, thing = pybullet(), world.stage.client, world.stage.scene.object
     mass, _, moments = engine.getDynamicsInfo(thing, -1, client)[:3]
 
     def motion() -> tuple[Array, Array, Array]:
@@ -53,9 +53,9 @@ def stepped(world: BulletWorld) -> Iterator[Step]:
 
     for _ in range(STEPS):
         velocity, turning, inertia = motion()
-        world._scene.forget()
+        world.stage.scene.forget()
         engine.stepSimulation(client)
-        world._scene.note()
+        world.stage.scene.note(TIME_STEP)
         later, turned, _ = motion()
         force = mass * ((later - velocity) / TIME_STEP + damped(velocity))
         moment = inertia @ ((turned - turning) / TIME_STEP + damped(turning)) + np.cross(turning, inertia @ turning)
@@ -63,25 +63,25 @@ def stepped(world: BulletWorld) -> Iterator[Step]:
 
 
 def test_an_object_that_falls_has_its_weight_alone() -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         world.reset(side_start(), 0)
-        world._scene.place(((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0)))
+        world.stage.scene.place(((0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0)))
         steps = list(stepped(world))
     assert all(step.closes() and not step.closes("gravity") for step in steps)
     assert not any(step.loads[:3].any() for step in steps)
 
 
 def test_an_object_that_slides_over_the_table_is_held_back_by_it() -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         world.reset(side_start(), 0)
-        pybullet().resetBaseVelocity(world._scene.object, [0.2, -0.1, 0.0], [0.0, 0.0, 1.0], world._client)
+        pybullet().resetBaseVelocity(world.stage.scene.object, [0.2, -0.1, 0.0], [0.0, 0.0, 1.0], world.stage.client)
         steps = list(stepped(world))
     assert all(step.closes() and not step.closes("table") for step in steps)
     assert np.linalg.norm([step.loads[2, :2] for step in steps], axis=1).max() > 1.0  # N
 
 
 def test_an_object_is_as_heavy_as_gravity_makes_it() -> None:
-    with opened(BulletWorld(settings(gravity=1.62))) as world:
+    with opened(bullet_world(settings(gravity=1.62))) as world:
         world.reset(side_start(), 0)
         _, _, table, gravity = world.truth().loads
     assert gravity[2] == pytest.approx(-1.62 * ROLL.mass)
@@ -89,13 +89,13 @@ def test_an_object_is_as_heavy_as_gravity_makes_it() -> None:
 
 
 def test_what_is_afloat_stays_where_it_would_stand() -> None:
-    with opened(BulletWorld(settings(gravity=0.0, anchor=Anchor.AFLOAT))) as world:
+    with opened(bullet_world(settings(gravity=0.0, anchor=Anchor.AFLOAT))) as world:
         world.reset(side_start(), 0)
         before = world.truth()
         for _ in range(10):
             world.step(still())
         after = world.truth()
-        pybullet().resetBaseVelocity(world._scene.object, [0.0, 0.0, -0.5], [0.0, 0.0, 3.0], world._client)
+        pybullet().resetBaseVelocity(world.stage.scene.object, [0.0, 0.0, -0.5], [0.0, 0.0, 3.0], world.stage.client)
         for _ in range(20):
             world.step(still())
         fallen = world.truth()
@@ -111,7 +111,7 @@ def test_what_is_afloat_stays_where_it_would_stand() -> None:
 def test_a_bottle_of_many_parts_is_told_whole(name: str) -> None:
     """The engine tells friction on the first body of a pair: with a shape of many parts that is the other one."""
     bottle = catalogue()[name]
-    with opened(BulletWorld(settings(body=bottle))) as world:
+    with opened(bullet_world(settings(body=bottle))) as world:
         run_phase(world, main_program(), 0, 60, world.reset(side_start(bottle, height=0.06, standoff=0.05), 0))
         assert all(step.closes() and not step.closes("contacts") for step in stepped(world))
         np.testing.assert_allclose(world.truth().loads[0, :3], np.nansum(world.truth().forces, axis=0), atol=1e-9)
@@ -121,7 +121,7 @@ def test_a_bottle_of_many_parts_is_told_whole(name: str) -> None:
 def test_a_grasp_that_slides_and_pinches_is_told_whole() -> None:
     """At rest in the fingers as while they slide, however the fingertips rub; what another link does, too."""
     program = main_program()
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         seen = grasped(world, side_start(roll=0.5), program)
         for ticks in (5, 100):
             seen = run_phase(world, program, 1, ticks, seen)[-1]
@@ -132,14 +132,14 @@ def test_a_grasp_that_slides_and_pinches_is_told_whole() -> None:
         np.testing.assert_allclose(truth.loads[0, :3], truth.forces.sum(axis=0), atol=1e-9)
         levers = np.cross(truth.points - truth.object_position, truth.forces)
         np.testing.assert_allclose(truth.loads[0, 3:], levers.sum(axis=0), atol=1e-4)
-        before = np.array(pybullet().getBaseVelocity(world._scene.object, world._client)[0])
+        before = np.array(pybullet().getBaseVelocity(world.stage.scene.object, world.stage.client)[0])
         world.step(still())
-        after = np.array(pybullet().getBaseVelocity(world._scene.object, world._client)[0])
+        after = np.array(pybullet().getBaseVelocity(world.stage.scene.object, world.stage.client)[0])
         told = world.truth().loads[:, :3].sum(axis=0)
         np.testing.assert_allclose(told, ROLL.mass * (after - before) * world.info.rate, atol=1e-6)
         palm = world.palm()
         place = palm.position + (ROBOT.hand.palm_surface + 0.049) * palm.rotation[:, 2]
-        world._scene.place((tuple(place), (0.0, 0.0, 0.0, 1.0)))
+        world.stage.scene.place((tuple(place), (0.0, 0.0, 0.0, 1.0)))
         pressed = [step for step in stepped(world) if step.loads[1].any()]
     assert pressed
     assert all(step.closes() and not step.closes("links") for step in pressed)

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from graspdsl.arrays import Array
-from graspdsl.worlds.bullet.probing import ProbingWorld
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import Command, InfeasibleStartError
 
 from .scenes import (
     JOINTS,
+    bullet_world,
     digest,
     grasped,
     main_program,
@@ -53,7 +52,7 @@ def test_a_fresh_process_shows_the_same_bits() -> None:
 @pytest.mark.slow
 def test_a_reset_world_repeats_itself() -> None:
     program = main_program()
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         runs = []
         for roll in (0.3, -0.6, 0.3):
             seen = [world.reset(side_start(roll=roll), 1)]
@@ -63,7 +62,7 @@ def test_a_reset_world_repeats_itself() -> None:
 
 
 def test_close_may_come_at_any_time() -> None:
-    world = BulletWorld(settings())
+    world = bullet_world(settings())
     world.close()
     world.reset(side_start(), 0)
     assert world.is_open
@@ -75,7 +74,7 @@ def test_close_may_come_at_any_time() -> None:
 
 
 def test_a_command_in_another_space_is_an_error() -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         world.reset(side_start(), 0)
         with pytest.raises(ValueError, match="joints"):
             world.step(Command("x", np.zeros((3, 3))))
@@ -87,14 +86,14 @@ def test_a_command_in_another_space_is_an_error() -> None:
     ids=lambda drawn: next(iter(drawn)),
 )
 def test_starts_that_cannot_be(drawn: dict[str, float]) -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         with pytest.raises(InfeasibleStartError):
             world.reset(side_start(**drawn), 0)
         assert world.reset(side_start(), 0).time == 0.0
 
 
 def test_a_start_touches_nothing() -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         for roll in (-0.4, 0.0, 0.8):
             seen, truth = world.reset(side_start(roll=roll), 0), world.truth()
             assert not seen.touching.any()
@@ -106,7 +105,7 @@ def test_a_start_touches_nothing() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_joints_stay_within_their_limits(sign: float) -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         world.reset(side_start(standoff=0.047), 0)
         for _ in range(40):
             seen = world.step(moved(wrist_z=-0.005))  # back, out of the way
@@ -124,18 +123,9 @@ def test_joints_stay_within_their_limits(sign: float) -> None:
         assert (targets <= world.info.upper).all()
 
 
-def test_a_picture_shows_something() -> None:
-    with opened(BulletWorld(settings())) as world:
-        world.reset(side_start(), 0)
-        picture = world.image(96, 64)
-    assert picture.shape == (64, 96, 3)
-    assert 0.0 <= picture.min() < picture.max() <= 255.0
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
-
-
 @pytest.mark.slow
 def test_a_held_object_moves_with_the_palm() -> None:
-    with opened(BulletWorld(settings(anchor=Anchor.HAND))) as world:
+    with opened(bullet_world(settings(anchor=Anchor.HAND))) as world:
         seen = world.reset(side_start(), 0)
         assert np.linalg.norm(seen.weight - [0.0, 0.0, -9.81 * 0.5]) < 1e-9
 
@@ -155,7 +145,7 @@ def test_a_held_object_moves_with_the_palm() -> None:
 
 @pytest.mark.slow
 def test_a_fixed_object_does_not_move() -> None:
-    with opened(BulletWorld(settings(anchor=Anchor.WORLD))) as world:
+    with opened(bullet_world(settings(anchor=Anchor.WORLD))) as world:
         grasped(world, side_start(roll=0.5), main_program())
         before, turn = pose_of_object(world)
         for _ in range(60):
@@ -168,7 +158,7 @@ def test_a_fixed_object_does_not_move() -> None:
 
 @pytest.mark.slow
 def test_a_free_object_does_move() -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         grasped(world, side_start(), main_program())
         before, _ = pose_of_object(world)
         for _ in range(60):
@@ -181,7 +171,7 @@ def test_a_free_object_does_move() -> None:
 def test_a_probe_displaces_contacts(height: float) -> None:
     """Up or down the side of a cylinder, all contacts alike."""
     asked = np.tile([0.0, 0.0, height], (3, 1))
-    with opened(ProbingWorld(settings())) as world:
+    with opened(bullet_world(settings(probes=True))) as world:
         before = grasped(world, side_start(), main_program("control.displacement=probing"))
         position = world.truth().object_position
         after, truth = world.step(Command("x", asked)), world.truth()
@@ -194,7 +184,7 @@ def test_a_probe_displaces_contacts(height: float) -> None:
 
 
 def test_a_probing_world_moves_joints_too() -> None:
-    with opened(ProbingWorld(settings())) as probing, opened(BulletWorld(settings())) as sliding:
+    with opened(bullet_world(settings(probes=True))) as probing, opened(bullet_world(settings())) as sliding:
         start = side_start()
         assert numbers(probing.reset(start, 0)) == numbers(sliding.reset(start, 0))
         assert numbers(probing.step(moved(base_1=0.01))) == numbers(sliding.step(moved(base_1=0.01)))
@@ -204,7 +194,7 @@ def test_a_probing_world_moves_joints_too() -> None:
 def off_force(*overrides: str) -> float:
     """How far [N] contact forces get from the 0.5 N asked for while they slide for 6 s."""
     program = main_program(*overrides)
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         seen = grasped(world, side_start(roll=0.5), program)
         shown = run_phase(world, program, 1, 300, seen)
     assert all(seen.touching.all() for seen in shown)

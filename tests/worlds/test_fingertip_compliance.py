@@ -7,10 +7,9 @@ import pytest
 
 from graspdsl.quality.carrying import Carrier
 from graspdsl.spec.sensing import Exact, Proximity, TactileSensor
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.touch.compliance import LINEAR_FORCE, STIFFNESS, force_of_dent, stiffness_under
 
-from .scenes import ROBOT, grasped, main_program, opened, settings, side_start
+from .scenes import ROBOT, bullet_world, grasped, main_program, opened, settings, side_start
 
 
 def test_light_forces_meet_a_linear_spring() -> None:
@@ -34,7 +33,7 @@ def test_the_stiffness_is_that_of_the_dent(force: float) -> None:
 @pytest.mark.parametrize("sensing", [Exact(), Proximity()])
 def test_the_engine_obeys(sensing: TactileSensor) -> None:
     """Squeezed ever harder, the dents that the engine shows belong to the forces that it shows."""
-    with opened(BulletWorld(settings(sensing=sensing, friction=0.5))) as world:
+    with opened(bullet_world(settings(sensing=sensing, friction=0.5))) as world:
         grasped(world, side_start(roll=0.1), main_program())
         carrier = Carrier(world, ROBOT, [0, 1, 2])
         for squeeze in (2.0, 15.0):

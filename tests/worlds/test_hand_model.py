@@ -14,6 +14,8 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import joint_limits
 from graspdsl.worlds.bullet.hand import BulletHand, rotation_matrix
+from graspdsl.worlds.rigid.assembly import joined
+from graspdsl.worlds.rigid.neighbours import links_of_hand
 
 from .scenes import JOINTS, ROBOT, lone_hand
 
@@ -87,8 +89,9 @@ def test_joint_limits() -> None:
 
 
 def test_masses() -> None:
+    own = links_of_hand(joined(ROBOT), ROBOT)
     with lone_hand() as (engine, client, hand):
-        mass = {name: engine.getDynamicsInfo(hand.body, hand.link_index[name], client)[0] for name in hand.hand_links()}
+        mass = {name: engine.getDynamicsInfo(hand.body, hand.link_index[name], client)[0] for name in own}
     assert mass["palm"] == pytest.approx(0.506)
     for finger in "123":
         assert mass[f"medial-{finger}"] == pytest.approx(0.062)

@@ -12,11 +12,11 @@ from graspdsl.objects.box import Box
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.sphere import Sphere
 from graspdsl.spec.sensing import LoadCell, Touch
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.touch.intrinsic import sphere_contact
 
 from .scenes import (
     ROLL,
+    bullet_world,
     force_of_table,
     grasped,
     main_program,
@@ -79,7 +79,7 @@ def test_no_force_has_no_place() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("roll", [0.0, 0.8])
 def test_load_cells_agree_with_the_truth_at_rest(roll: float) -> None:
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         seen = grasped(world, side_start(roll=roll), main_program())
         for _ in range(50):
             seen = world.step(still())
@@ -93,7 +93,7 @@ def test_load_cells_agree_with_the_truth_at_rest(roll: float) -> None:
 @pytest.mark.slow
 def test_load_cells_agree_with_the_truth_while_sliding() -> None:
     program = main_program()
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         seen = grasped(world, side_start(roll=0.8), program)
         first, errors = seen.points, []
         for _ in range(150):
@@ -115,7 +115,7 @@ def test_load_cells_agree_with_the_truth_while_sliding() -> None:
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_forces_on_the_object_balance_at_rest(body: Body, height: float) -> None:
-    with opened(BulletWorld(settings(body=body))) as world:
+    with opened(bullet_world(settings(body=body))) as world:
         seen = grasped(world, side_start(body, roll=0.3, height=height), main_program())
         true, felt, ticks = np.zeros(3), np.zeros(3), 100
         for _ in range(ticks):
@@ -134,7 +134,7 @@ def test_forces_on_the_object_balance_at_rest(body: Body, height: float) -> None
 def test_taring_holds_when_the_wrist_turns_in_the_air() -> None:
     """The weight of the tips is known in every pose: with no threshold at all, next to nothing is felt."""
     sensing = LoadCell(touch=Touch(begins=0.0, ends=0.0))
-    with opened(BulletWorld(settings(sensing=sensing))) as world:
+    with opened(bullet_world(settings(sensing=sensing))) as world:
         first = world.reset(side_start(standoff=0.047), 0)
         away = moved(wrist_z=-0.002)
         for _ in range(60):

@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import robot
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.world import BulletWorld
 
-from .scenes import grasped, lone_hand, main_program, opened, settings, side_start, with_uneven_tips
+from .scenes import bullet_world, grasped, lone_hand, main_program, opened, settings, side_start, with_uneven_tips
 
 STEP = 0.05  # rad or m
 CLOSE = 1e-5
@@ -91,7 +90,7 @@ def test_the_jacobian_of_the_palm(mount: str) -> None:
 def test_jacobians_that_are_observed(start: dict[str, float]) -> None:
     """A second hand, set to the joints of the simulated one, moves its contacts as the observation says."""
     place = side_start(**start)
-    with opened(BulletWorld(settings())) as world, lone_hand(place.position, place.rotation) as (engine, client, twin):
+    with opened(bullet_world(settings())) as world, lone_hand(place.position, place.rotation) as (engine, client, twin):
         seen = grasped(world, place, main_program())
         positions = np.array(world.hand.all_joints())
 

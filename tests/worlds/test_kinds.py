@@ -9,12 +9,16 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from compiler.specs import floating
+from typer.testing import CliRunner
 
+from graspdsl.cli.app import app
 from graspdsl.cli.listing import KINDS
 from graspdsl.compiler.explain import explained
-from graspdsl.compiler.program import examine, program_of
-from graspdsl.diagnostics import Severity
+from graspdsl.compiler.program import examine, missing_engine, program_of
+from graspdsl.diagnostics import DiagnosticError, Severity
+from graspdsl.trials.identity import versions
 from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.runner import new_run
 from graspdsl.trials.setup import settings_of, trial_loop, world_of
 from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.kind import View, WorldKind, WorldSettings
@@ -41,7 +45,7 @@ def test_a_world_that_there_is_not_is_named_with_those_that_there_are() -> None:
     found = examine(MAIN.read_text("utf-8").replace("world: bullet", "world: bulet"), "test.yaml").diagnostics
     [complaint] = [diagnostic for diagnostic in found if diagnostic.severity is Severity.ERROR]
     assert (complaint.code, complaint.hint) == ("unknown-value", "did you mean bullet?")
-    assert complaint.message == "expected bullet or floating, found the text 'bulet'"
+    assert complaint.message == "expected bullet, mujoco or floating, found the text 'bulet'"
 
 
 # A world of a stranger: one class, one line of the table.
@@ -98,11 +102,53 @@ def test_messages_name_a_strangers_world(sticky: str) -> None:
     assert said == ["sticky contacts feel no forces: σ_f cannot be sensed in the sticky world"]
     [unknown] = examine(sticky.replace("world: sticky", "world: stiky"), "test.yaml").diagnostics
     assert (unknown.message, unknown.hint) == (
-        "expected bullet, floating or sticky, found the text 'stiky'",
+        "expected bullet, mujoco, floating or sticky, found the text 'stiky'",
         "did you mean sticky?",
     )
     [sensing] = examine(sticky.replace("world: sticky", "world: sticky, sensing: skin"), "test.yaml").diagnostics
     assert sensing.message == "sticky contacts have no skin"
+
+
+def test_what_a_world_needs_is_told_with_how_to_install_it(
+    sticky: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Sticky, "libraries", {"no_such_engine": "pip install no_such_engine"})
+    program = program_of(sticky, "test.yaml")  # which can be explained, and its runs reported, all the same
+    missing = missing_engine(program)
+    assert missing is not None
+    assert missing.code == "engine-missing"
+    assert missing.message == "the sticky world needs no_such_engine, which this Python has not"
+    assert missing.hint == "pip install no_such_engine; or use world: floating"
+    assert missing.span is not None
+    assert missing_engine(program_of(FLOATING, "test.yaml")) is None
+    with pytest.raises(DiagnosticError, match="which this Python has not"):
+        new_run(tmp_path / "run", program)
+    assert not (tmp_path / "run").exists()
+    (tmp_path / "sticky.yaml").write_text(sticky, "utf-8")
+    for command in ("validate", "run"):
+        answer = CliRunner().invoke(app, [command, str(tmp_path / "sticky.yaml")])
+        assert (answer.exit_code, (answer.stdout + answer.stderr).count("error[engine-missing]")) == (1, 1)
+
+
+def test_how_finely_physics_is_worked_out() -> None:
+    """As the spec says; what it does not say is as is usual in the world."""
+    text = MAIN.read_text("utf-8")
+    for kind in WORLDS.values():
+        if kind.effort is None:
+            continue
+        usual = program_of(text, "test.yaml", (f"scene.world={kind.name}",))
+        finer = program_of(text, "test.yaml", (f"scene.world={kind.name}", "scene.physics.time_step=0.001"))
+        assert settings_of(usual).effort == kind.effort
+        assert settings_of(finer).effort == dataclasses.replace(kind.effort, time_step=0.001)
+
+
+def test_versions_are_those_of_the_world() -> None:
+    """A run does not depend on engines that it does not use, nor on keys that its spec does not name."""
+    floating_run = program_of(FLOATING, "test.yaml")
+    assert set(versions(floating_run)) == {"graspdsl", "numpy", "scipy"}
+    rolls = program_of(MAIN.read_text("utf-8"), "test.yaml", ("scene.world=mujoco",))
+    assert set(versions(rolls)) == {"graspdsl", "mujoco", "numpy", "scipy"}
+    assert "physics" not in rolls.spec.model_dump(mode="json")["scene"]
 
 
 def test_a_strangers_world_is_seen_again(sticky: str) -> None:

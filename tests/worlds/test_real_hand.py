@@ -22,26 +22,25 @@ from graspdsl.trials.control_loop import ControlLoop
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import hand_of, settings_of
 from graspdsl.trials.starts import draws
-from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.protocol import InfeasibleStartError, Observation, Start
 from graspdsl.worlds.real_hand import Reading, RealHand
-from worlds.scenes import MAIN, main_program, opened, with_uneven_tips
+from graspdsl.worlds.rigid.world import RigidWorld
+from worlds.scenes import MAIN, bullet_world, main_program, opened, with_uneven_tips
 
 TRIO = Path(MAIN.parent, "hands", "trio_towel_roll.yaml")
 FIXED = ("trials.start.roll=0.4", "trials.start.height=0.1", "trials.start.standoff=0.047")
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
-def loads(hand: BulletHand) -> Array:
+def loads(world: RigidWorld) -> Array:
     """What object and weight put on the tips of the engine's hand, (k, 6) about the origins of their links. The engine
     tells what holds up against that, about the centres of mass."""
-    levers = np.array([tip.centre + tip.weight_lever for tip in hand.tips])
-    forces, moments = np.hsplit(-hand.cell_readings(), 2)
+    levers = np.array([tip.centre + tip.weight_lever for tip in world.hand.tips])
+    forces, moments = np.hsplit(-world.stage.fingertips.wrenches(), 2)
     return np.hstack([forces, moments + np.cross(levers, forces)])
 
 
-def started(program: Program, world: BulletWorld) -> tuple[Start, Observation]:
+def started(program: Program, world: RigidWorld) -> tuple[Start, Observation]:
     """The first start of a program's trials that its world takes up, and what it then observes."""
     random = np.random.default_rng(3)
     wanted, surface = program.spec.trials.start_of(0), program.robot.hand.palm_surface
@@ -54,12 +53,12 @@ def started(program: Program, world: BulletWorld) -> tuple[Start, Observation]:
 def both_seen(program: Program) -> Iterator[tuple[Observation, Observation]]:
     """What the engine's world observes tick by tick, under the program, and what its joints and cells give."""
     loop = ControlLoop(program)
-    with opened(BulletWorld(settings_of(program))) as world:
+    with opened(bullet_world(settings_of(program))) as world:
         start, seen = started(program, world)
         hand = hand_of(program, start.position, start.rotation)
-        hand.tare([Reading(seen.time - 0.02, seen.joints, loads(world.hand))])
+        hand.tare([Reading(seen.time - 0.02, seen.joints, loads(world))])
         while True:
-            yield seen, hand.observe(Reading(seen.time, seen.joints, loads(world.hand)))
+            yield seen, hand.observe(Reading(seen.time, seen.joints, loads(world)))
             turn = loop.tick(seen)
             if turn.ending is not None:
                 assert turn.ending.outcome is Outcome.CONVERGED

@@ -15,11 +15,10 @@ from graspdsl.hands.descriptions import hands, mounts
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kinds import WORLDS
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
-from .scenes import ROLL, grasped, main_program, opened, settings, side_start
+from .scenes import ROLL, bullet_world, grasped, main_program, opened, settings, side_start
 
 pytestmark = pytest.mark.slow
 
@@ -71,7 +70,7 @@ def test_the_barrett_hand_grasps_on_a_strangers_mount() -> None:
 def test_force_cells_feel_the_force_and_guess_its_place(body: Body) -> None:
     """All of the force, friction and all; its place to within the angle of friction on the tip."""
     assert "force-cell" in WORLDS["bullet"].senses
-    with opened(BulletWorld(settings(sensing=ForceCell(), body=body, friction=FRICTION))) as world:
+    with opened(bullet_world(settings(sensing=ForceCell(), body=body, friction=FRICTION))) as world:
         seen = grasped(world, side_start(body, roll=0.3, height=0.07), main_program())
         truth = world.truth()
     np.testing.assert_allclose(seen.forces, truth.forces, atol=0.01)

@@ -18,14 +18,15 @@ from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.spec.loading import read_spec
 from graspdsl.spec.sensing import Exact, LoadCell, Proximity, Skin, TactileSensor, Touch
 from graspdsl.trials.setup import settings_of
-from graspdsl.worlds.bullet.world import BulletWorld
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import Observation
+from graspdsl.worlds.rigid.world import RigidWorld
 from graspdsl.worlds.touch.compliance import STIFFNESS
 
 from .scenes import (
     MAIN,
     ROBOT,
+    bullet_world,
     grasped,
     main_program,
     moved,
@@ -52,7 +53,7 @@ ONLY_NORMAL = ("skin", "proximity")  # which feel no friction
 DENT = 5e-4  # m: what a soft tip gives way
 
 
-def errors(seen: Observation, world: BulletWorld) -> tuple[float, float]:
+def errors(seen: Observation, world: RigidWorld) -> tuple[float, float]:
     """The largest distance [m] of sensed from true points and angle [rad] between normals."""
     truth = world.truth()
     normals = np.einsum("ki,ki->k", seen.normals, truth.normals)
@@ -64,7 +65,7 @@ def normal_forces(vectors: Array, normals: Array) -> Array:
     return np.asarray(np.einsum("ki,ki->k", vectors, normals))
 
 
-def rested(world: BulletWorld, seen: Observation, ticks: int = 40) -> Observation:
+def rested(world: RigidWorld, seen: Observation, ticks: int = 40) -> Observation:
     """What is seen after some ticks without motion."""
     for _ in range(ticks):
         seen = world.step(still())
@@ -74,7 +75,7 @@ def rested(world: BulletWorld, seen: Observation, ticks: int = 40) -> Observatio
 @pytest.mark.parametrize("name", PERFECT)
 @pytest.mark.parametrize("roll", [0.0, 0.6])
 def test_a_perfect_sensor_agrees_with_the_truth_at_rest(name: str, roll: float) -> None:
-    with opened(BulletWorld(settings(sensing=PERFECT[name]))) as world:
+    with opened(bullet_world(settings(sensing=PERFECT[name]))) as world:
         seen = rested(world, grasped(world, side_start(roll=roll), main_program()))
         point, angle = errors(seen, world)
         assert point < DENT
@@ -87,7 +88,7 @@ def test_a_perfect_sensor_agrees_with_the_truth_at_rest(name: str, roll: float) 
 
 @pytest.mark.parametrize("name", ["skin", "proximity"])
 def test_what_feels_pressure_feels_no_friction(name: str) -> None:
-    with opened(BulletWorld(settings(sensing=PERFECT[name]))) as world:
+    with opened(bullet_world(settings(sensing=PERFECT[name]))) as world:
         seen = rested(world, grasped(world, side_start(roll=0.6), main_program()))
         across = np.linalg.norm(np.cross(seen.forces, seen.normals), axis=1)
         truth = world.truth()
@@ -97,7 +98,7 @@ def test_what_feels_pressure_feels_no_friction(name: str) -> None:
 
 @pytest.mark.parametrize("name", FLAWED)
 def test_a_flawed_sensor_is_near_the_truth(name: str) -> None:
-    with opened(BulletWorld(settings(sensing=FLAWED[name]))) as world:
+    with opened(bullet_world(settings(sensing=FLAWED[name]))) as world:
         seen = rested(world, grasped(world, side_start(roll=0.3), main_program()))
         found = []
         for _ in range(60):
@@ -113,7 +114,7 @@ def test_a_flawed_sensor_is_near_the_truth(name: str) -> None:
 def test_noise_comes_from_the_seed_alone(name: str) -> None:
     shown = []
     for seed in (3, 3, 4):
-        with opened(BulletWorld(settings(sensing=FLAWED[name]))) as world:
+        with opened(bullet_world(settings(sensing=FLAWED[name]))) as world:
             world.reset(side_start(), seed)
             shown.append(numbers(rested(world, world.step(moved(base_1=0.05, base_2=0.05, base_3=0.05)), 10)))
     assert shown[0] == shown[1]
@@ -127,7 +128,7 @@ def test_taring_takes_the_bias_away(perfect: LoadCell | Skin) -> None:
     bias = {"force_bias": 0.5, "moment_bias": 5e-3} if isinstance(perfect, LoadCell) else {"taxel_bias": 0.05}
     shown = []
     for sensing in (perfect.model_copy(update={"tare": 0.5}), perfect.model_copy(update={"tare": 0.5, **bias})):
-        with opened(BulletWorld(settings(sensing=sensing.model_copy(update={"filter": 0.0})))) as world:
+        with opened(bullet_world(settings(sensing=sensing.model_copy(update={"filter": 0.0})))) as world:
             seen = [world.reset(side_start(), 5)]
             seen += [world.step(moved(base_1=0.01, base_2=0.01, base_3=0.01)) for _ in range(40)]
             assert seen[-1].touching.any()
@@ -138,12 +139,12 @@ def test_taring_takes_the_bias_away(perfect: LoadCell | Skin) -> None:
 
 
 def test_the_time_to_tare_is_counted_apart() -> None:
-    with opened(BulletWorld(settings(sensing=LoadCell(force_bias=0.1)))) as world:
+    with opened(bullet_world(settings(sensing=LoadCell(force_bias=0.1)))) as world:
         assert world.info.tare_s == 0.5
         assert world.reset(side_start(), 0).time == 0.0
-    with opened(BulletWorld(settings(sensing=LoadCell(tare=0.2)))) as world:
+    with opened(bullet_world(settings(sensing=LoadCell(tare=0.2)))) as world:
         assert world.info.tare_s == 0.2
-    with opened(BulletWorld(settings())) as world:
+    with opened(bullet_world(settings())) as world:
         assert world.info.tare_s == 0.0
 
 
@@ -151,7 +152,7 @@ def test_the_time_to_tare_is_counted_apart() -> None:
 def test_latency_shows_the_force_of_ticks_before(kind: type[LoadCell | Skin | Proximity]) -> None:
     shown = []
     for latency in (0.0, 0.04):
-        with opened(BulletWorld(settings(sensing=kind(latency=latency)))) as world:
+        with opened(bullet_world(settings(sensing=kind(latency=latency)))) as world:
             world.reset(side_start(), 0)
             seen = [world.step(moved(base_1=0.01, base_2=0.01, base_3=0.01)) for _ in range(40)]
             shown.append([np.linalg.norm(now.forces, axis=1) for now in seen])
@@ -163,7 +164,7 @@ def test_latency_shows_the_force_of_ticks_before(kind: type[LoadCell | Skin | Pr
 @pytest.mark.parametrize("name", PERFECT)
 def test_a_touch_ends_below_where_it_begins(name: str) -> None:
     sensing = PERFECT[name].model_copy(update={"touch": Touch(begins=0.6, ends=0.2)})
-    with opened(BulletWorld(settings(sensing=sensing, anchor=Anchor.WORLD))) as world:
+    with opened(bullet_world(settings(sensing=sensing, anchor=Anchor.WORLD))) as world:
         world.reset(side_start(), 0)
         pressed, touched = [], []
         for direction in [1] * 440 + [-1] * 200:
@@ -184,13 +185,13 @@ def test_a_touch_ends_below_where_it_begins(name: str) -> None:
 
 
 def test_proximity_knows_the_normal_before_it_touches() -> None:
-    with opened(BulletWorld(settings(sensing=Proximity(range=0.05)))) as world:
+    with opened(bullet_world(settings(sensing=Proximity(range=0.05)))) as world:
         ahead = world.reset(side_start(roll=0.4), 0)
         assert not ahead.touching.any()
         touch = grasped(world, side_start(roll=0.4), main_program())
         angles = np.arccos(np.einsum("ki,ki->k", ahead.normals, touch.normals))
         assert angles.max() < 0.35  # a finger swings round while it closes
-    with opened(BulletWorld(settings(sensing=Proximity(range=0.002)))) as world:
+    with opened(bullet_world(settings(sensing=Proximity(range=0.002)))) as world:
         blind = world.reset(side_start(roll=0.4), 0)
     assert np.linalg.norm(blind.normals - ahead.normals, axis=1).min() > 1e-3
 
@@ -224,7 +225,7 @@ def egg_tips(folder: Path, semi_axes: tuple[float, float, float]) -> Robot:
 @pytest.mark.parametrize("name", PERFECT)
 def test_ellipsoids_feel_where_they_touch(name: str, tmp_path: Path) -> None:
     robot = egg_tips(tmp_path, (0.0115, 0.010, 0.014))
-    with opened(BulletWorld(settings(robot=robot, sensing=PERFECT[name]))) as world:
+    with opened(bullet_world(settings(robot=robot, sensing=PERFECT[name]))) as world:
         seen = rested(world, grasped(world, side_start(roll=0.3), main_program()))
         point, angle = errors(seen, world)
         assert point < 1e-3
@@ -233,7 +234,7 @@ def test_ellipsoids_feel_where_they_touch(name: str, tmp_path: Path) -> None:
 
 def test_uneven_tips_weigh_nothing_at_rest(tmp_path: Path) -> None:
     """What a load cell feels is the contact alone, wherever the tip's own mass is."""
-    with opened(BulletWorld(settings(robot=with_uneven_tips(tmp_path)))) as world:
+    with opened(bullet_world(settings(robot=with_uneven_tips(tmp_path)))) as world:
         seen = rested(world, grasped(world, side_start(roll=0.6), main_program()))
         np.testing.assert_allclose(seen.forces, world.truth().forces, atol=0.02)
         point, angle = errors(seen, world)
@@ -271,13 +272,13 @@ def test_load_cells_that_a_hand_has_not_are_named() -> None:
 @pytest.mark.parametrize("sensing", [Skin(), Proximity(), Exact()], ids=lambda sensing: type(sensing).__name__)
 def test_hands_without_load_cells_feel_by_other_sensors(sensing: TactileSensor) -> None:
     robot = without_cells(("finger-1", "finger-2", "finger-3"))
-    with opened(BulletWorld(settings(robot=robot, sensing=sensing))) as world:
+    with opened(bullet_world(settings(robot=robot, sensing=sensing))) as world:
         grasped(world, side_start(), main_program())
 
 
 def test_the_program_of_a_spec_senses_as_it_says() -> None:
     program = program_of(MAIN.read_text("utf-8"), MAIN.name, ("scene.sensing={skin: {pitch: 0.003}}",))
-    with opened(BulletWorld(settings(sensing=settings_of(program).sensing))) as world:
+    with opened(bullet_world(settings(sensing=settings_of(program).sensing))) as world:
         seen = grasped(world, side_start(), program)
         seen = run_phase(world, program, 1, 20, seen)[-1]
         assert np.isfinite(seen.points).all()

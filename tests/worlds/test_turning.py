@@ -12,7 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.trials.setup import world_of
 from graspdsl.trials.starts import pose
-from graspdsl.worlds.bullet.world import BulletWorld
+from graspdsl.worlds.rigid.world import RigidWorld
 
 from .scenes import grasped, opened, pose_of_object
 
@@ -36,7 +36,7 @@ class Turn:
     largest: float
 
 
-def net(world: BulletWorld, program: Program) -> Array:
+def net(world: RigidWorld, program: Program) -> Array:
     """What the contacts of Γσ press with in truth, (3,)."""
     return program.phases[TURNING].grasp.weights[:3] @ world.truth().normals
 
@@ -46,7 +46,7 @@ def turned(formula: str, roll: float) -> Turn:
     program = program_of(SPEC.read_text("utf-8"), SPEC.name, (f"program.1.run={formula}",))
     start = pose("side", {**LEVEL, "roll": roll}, program.body, program.robot.hand.palm_surface)
     world = world_of(program)
-    assert isinstance(world, BulletWorld)
+    assert isinstance(world, RigidWorld)
     with opened(world):
         seen, ((pipeline,), largest) = grasped(world, start, program), (program.pipelines()[TURNING], 0.0)
         before, stood = net(world, program), pose_of_object(world)[1]

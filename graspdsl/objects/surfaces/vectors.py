@@ -18,6 +18,13 @@ def lengths(vectors: Array) -> Array:
     return np.sqrt(dot(vectors, vectors))
 
 
+def rotated(vectors: Array, rotation: Array) -> Array:
+    """R v over the last axis for a rotation (3, 3), (..., 3)."""
+    x, y, z = (vectors[..., axis, None] * rotation[:, axis] for axis in range(3))
+    result: Array = x + y + z
+    return result
+
+
 def largest(vectors: Array) -> Array:
     """The largest of |x|, |y|, |z|, (...)."""
     sizes = np.abs(vectors)

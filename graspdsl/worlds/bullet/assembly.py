@@ -1,17 +1,21 @@
-"""One URDF out of two: a hand's model fixed to the face of its mount, its fingertips of the declared shapes."""
+"""A robot's URDF as Bullet reads it, its fingertips of the declared shapes."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
 from graspdsl.angles import roll_pitch_yaw
 from graspdsl.arrays import Array
-from graspdsl.hands.descriptions import MOUNTING, Robot
+from graspdsl.diagnostics import DiagnosticError
+from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
+from graspdsl.models.mesh_files import stl_of
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
+from graspdsl.worlds.rigid.assembly import joined
 from graspdsl.worlds.touch.surfaces import frame_about
 
 MARGIN = 0.001  # m by which the engine enlarges every mesh of a URDF
@@ -19,27 +23,16 @@ HALF_TURN = 24  # facets of an ellipsoid: they are within 0.1 mm of one of 2 cm
 
 
 def assembled_urdf(robot: Robot, folder: Path) -> str:
-    """The text of a URDF with the mount's links, then the hand's, joined by a fixed joint at the mount's face.
+    """The text of a robot's URDF for the engine.
 
-    What touches at a fingertip is the declared shape, in the place of the collision geometry of its link; it is also
-    drawn where the link has no looks. Files that the text names are written into ``folder``.
+    What touches at a fingertip is the declared shape, in the place of the collision geometry of its link. Files that
+    the text names are written into ``folder``.
     """
-    whole = ET.Element("robot", name=f"{robot.mount.mount}-{robot.hand.hand}")
-    materials: set[str] = set()
-    for model in robot.models:
-        for element in ET.fromstring(model):
-            name = element.get("name", "")
-            if element.tag == "material" and name in materials:
-                continue
-            if element.tag == "material":
-                materials.add(name)
-            whole.append(element)
+    whole = joined(robot)
     links = {link.get("name", ""): link for link in whole.iterfind("link")}
+    _write_meshes(links.values(), folder)
     for number, contact in enumerate(robot.hand.contacts.values()):
         _give_shape(links[contact.link], contact.shape, folder / f"fingertip-{number}")
-    joint = ET.SubElement(whole, "joint", name=MOUNTING, type="fixed")
-    ET.SubElement(joint, "parent", link=robot.mount.face)
-    ET.SubElement(joint, "child", link=robot.hand.root)
     ET.indent(whole)  # the engine cuts lines of more than some thousand characters
     return ET.tostring(whole, encoding="unicode")
 
@@ -47,31 +40,51 @@ def assembled_urdf(robot: Robot, folder: Path) -> str:
 def _give_shape(link: ET.Element, shape: FingertipShape, stem: Path) -> None:
     for collision in link.findall("collision"):
         link.remove(collision)
-    for use in ("collision",) if link.find("visual") is not None else ("collision", "visual"):
-        made = ET.SubElement(link, use)
-        angles: tuple[float, ...] = (0.0, 0.0, 0.0)
-        geometry = ET.SubElement(made, "geometry")
-        match shape:
-            case SphereTip():
-                ET.SubElement(geometry, "sphere", radius=repr(shape.radius))
-            case CapsuleTip():
-                ET.SubElement(geometry, "capsule", radius=repr(shape.radius), length=repr(shape.length))
-                angles = roll_pitch_yaw(frame_about(np.array(shape.axis)))
-            case EllipsoidTip():
-                file = stem.with_name(f"{stem.name}-{use}.obj")
-                file.write_text(_mesh(shape, MARGIN if use == "collision" else 0.0), encoding="ascii")
-                ET.SubElement(geometry, "mesh", filename=str(file))
-                angles = shape.rpy
-        ET.SubElement(made, "origin", xyz=_text(shape.centre), rpy=_text(angles))
+    made = ET.SubElement(link, "collision")
+    angles: tuple[float, ...] = (0.0, 0.0, 0.0)
+    geometry = ET.SubElement(made, "geometry")
+    match shape:
+        case SphereTip():
+            ET.SubElement(geometry, "sphere", radius=repr(shape.radius))
+        case CapsuleTip():
+            ET.SubElement(geometry, "capsule", radius=repr(shape.radius), length=repr(shape.length))
+            angles = roll_pitch_yaw(frame_about(np.array(shape.axis)))
+        case EllipsoidTip():
+            file = stem.with_suffix(".obj")
+            file.write_text(_mesh(shape), encoding="ascii")
+            ET.SubElement(geometry, "mesh", filename=str(file))
+            angles = shape.rpy
+    ET.SubElement(made, "origin", xyz=_text(shape.centre), rpy=_text(angles))
 
 
-def _mesh(shape: EllipsoidTip, margin: float) -> str:
-    """An OBJ file of an ellipsoid, which the engine does not know, made smaller all round by a margin [m]."""
+def _mesh(shape: EllipsoidTip) -> str:
+    """An OBJ file of an ellipsoid, which the engine does not know, made smaller all round by its margin."""
     surface = SmoothEllipsoid(shape.semi_axes)
     mesh = surface.mesh(HALF_TURN)
-    vertices: Array = mesh.vertices - margin * surface.normals(mesh.vertices)
+    vertices: Array = mesh.vertices - MARGIN * surface.normals(mesh.vertices)
     lines = [f"v {_text(vertex)}" for vertex in vertices.tolist()]
     return "\n".join([*lines, *(f"f {a} {b} {c}" for a, b, c in (mesh.faces + 1).tolist()), ""])
+
+
+def _write_meshes(links: Iterable[ET.Element], folder: Path) -> None:
+    """Write the triangles of mesh files anew, for the engine does not read them in every format; what is only drawn and
+    holds none is left out."""
+    written = dict[str, str]()
+    for link in links:
+        for part in [*link.findall("collision"), *link.findall("visual")]:
+            for mesh in part.iter("mesh"):
+                path = mesh.get("filename", "")
+                try:
+                    content = stl_of(path)
+                except DiagnosticError:
+                    if part.tag == "collision":
+                        raise
+                    link.remove(part)
+                    continue
+                if path not in written:
+                    written[path] = str(folder / f"mesh-{len(written)}.stl")
+                    Path(written[path]).write_bytes(content)
+                mesh.set("filename", written[path])
 
 
 def _text(numbers: tuple[float, ...] | list[float]) -> str:

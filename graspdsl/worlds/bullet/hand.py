@@ -11,11 +11,14 @@ from typing import Any
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.hands.descriptions import Robot
-from graspdsl.hands.model_joints import UNSTATED_EFFORT
+from graspdsl.hands.descriptions import Robot, coupling_of
+from graspdsl.models.model import UNSTATED_EFFORT
 from graspdsl.worlds.bullet.assembly import assembled_urdf
 from graspdsl.worlds.bullet.engine import silenced
+from graspdsl.worlds.camera import box_corners
 from graspdsl.worlds.protocol import Palm
+from graspdsl.worlds.rigid.assembly import joined
+from graspdsl.worlds.rigid.neighbours import neighbours
 from graspdsl.worlds.touch.compliance import DAMPING, stiffness_under
 from graspdsl.worlds.touch.fingertip_sensor import Fingertip
 
@@ -46,7 +49,7 @@ class BulletHand:
     """A hand on its mount, loaded with its root at a given pose and all joints at zero.
 
     Joint vectors of length n are in command order (mount first); the engine's own, longer vectors also hold the
-    coupled joints: full = coupling @ actuated. A hand that is not ``seen`` has no looks.
+    coupled joints: full = coupling @ actuated. The engine is given no looks.
     """
 
     def __init__(
@@ -57,11 +60,9 @@ class BulletHand:
         position: Array,
         quaternion: Array,
         friction: float,
-        *,
-        seen: bool = False,
     ) -> None:
         self._engine, self._client, self.robot = engine, client, robot
-        flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION
+        flags = engine.URDF_USE_INERTIA_FROM_FILE | engine.URDF_USE_SELF_COLLISION | engine.URDF_IGNORE_VISUAL_SHAPES
         with tempfile.TemporaryDirectory(prefix="graspdsl-") as folder:
             path = Path(folder, "robot.urdf")
             path.write_text(assembled_urdf(robot, Path(folder)), encoding="utf-8")
@@ -71,12 +72,12 @@ class BulletHand:
                     position.tolist(),
                     quaternion.tolist(),
                     useFixedBase=True,
-                    flags=flags if seen else flags | engine.URDF_IGNORE_VISUAL_SHAPES,
+                    flags=flags,
                     physicsClientId=client,
                 )
         self._read_joints()
         self._face = self.link_index[robot.mount.face]
-        self._ignore_neighbours()
+        self._part_neighbours()
         self.tips = tuple(self._tip(name) for name in robot.contacts)
         self._base_rotation = rotation_matrix(tuple(quaternion))
         for tip in self.tips:
@@ -112,46 +113,27 @@ class BulletHand:
         self.link_index = {info[12].decode(): info[0] for info in infos}
         self.link_names = {index: name for name, index in self.link_index.items()}
         self.parents = [info[16] for info in infos]
+        self.slides = [info[2] == engine.JOINT_PRISMATIC for info in infos]
         self.movable = [info[0] for info in infos if info[2] != engine.JOINT_FIXED]
         self.movable_names = [infos[j][1].decode() for j in self.movable]
-        order = {name: i for i, name in enumerate(self.robot.joints)}
-        self.coupling = np.zeros((len(self.movable), len(order)))
-        for row, name in enumerate(self.movable_names):
-            coupled = self.robot.hand.couplings.get(name)
-            self.coupling[row, order[coupled.follows if coupled else name]] = coupled.ratio if coupled else 1.0
-        rows = [self.movable_names.index(name) for name in order]
-        self._actuated_rows = np.array(rows)
+        self.coupling = coupling_of(self.robot, self.movable_names)
+        self._actuated_rows = np.array([self.movable_names.index(name) for name in self.robot.joints])
         self.efforts = [infos[j][10] or UNSTATED_EFFORT for j in self.movable]
 
-    def _ignore_neighbours(self) -> None:
-        # The primitives of neighbouring links overlap by up to 1.6 mm, and so do those two links apart.
-        count = len(self.parents)
-        for a in range(-1, count):
-            near = {a} | self._within(a, 2)
-            for b in near:
-                if b > a:
-                    self._engine.setCollisionFilterPair(self.body, self.body, a, b, 0, self._client)
-            if a >= 0 and self.link_names[a] not in self.hand_links():
-                for b in range(-1, count):
-                    self._engine.setCollisionFilterPair(self.body, self.body, a, b, 0, self._client)
+    def _part_neighbours(self) -> None:
+        """Let neither neighbours touch each other, nor what overlaps as the joints stand at zero.
 
-    def _within(self, link: int, steps: int) -> set[int]:
-        found, frontier = {link}, {link}
-        for _ in range(steps):
-            frontier = {b for b, parent in enumerate(self.parents) for a in frontier if a in (b, parent)} | {
-                self.parents[a] for a in frontier if a >= 0
-            }
-            found |= frontier
-        return found
+        Parts of a closed loop do that wherever they are.
+        """
+        for link, other in neighbours(joined(self.robot), self.robot):
+            self._part(self.link_index.get(link, -1), self.link_index.get(other, -1))
+        self._engine.performCollisionDetection(self._client)
+        for contact in self._engine.getContactPoints(self.body, self.body, physicsClientId=self._client):
+            if contact[8] < 0.0:
+                self._part(contact[3], contact[4])
 
-    def hand_links(self) -> set[str]:
-        """The names of the hand's own links (the mount's left out)."""
-        root = self.link_index[self.robot.hand.root]
-        inside = {root}
-        for index, parent in enumerate(self.parents):
-            if parent in inside:
-                inside.add(index)
-        return {self.link_names[index] for index in inside}
+    def _part(self, link: int, other: int) -> None:
+        self._engine.setCollisionFilterPair(self.body, self.body, link, other, 0, self._client)
 
     def _tip(self, contact: str) -> Tip:
         description = self.robot.hand.contacts[contact]
@@ -201,6 +183,15 @@ class BulletHand:
         actuated: Array = np.array(all_joints)[self._actuated_rows]
         return actuated
 
+    def joints(self) -> Array:
+        """The (n,) actuated positions."""
+        return self.actuated(self.all_joints())
+
+    @property
+    def tip_links(self) -> tuple[int, ...]:
+        """The links of the fingertips."""
+        return tuple(tip.link for tip in self.tips)
+
     def tip_frames(self) -> list[tuple[Array, Array]]:
         """Origin (3,) and rotation (3, 3) of each fingertip link's frame, in the world."""
         links = [tip.link for tip in self.tips]
@@ -225,9 +216,11 @@ class BulletHand:
         )
         return np.array(state[4]), rotation_matrix(state[5])
 
-    def face_jacobian(self) -> tuple[Array, Array]:
-        """The linear and angular (3, n) world-frame Jacobians of the mounting face's origin."""
-        return self._jacobians(self._face, np.zeros(3), self.all_joints())
+    def tip_jacobians(self, places: Sequence[Array]) -> tuple[Array, Array]:
+        """Linear and angular Jacobians (k, 3, n) of a point (3,) fixed in the frame of each fingertip's link."""
+        now = self.all_joints()
+        pairs = [self.jacobians(tip, place, now) for tip, place in zip(self.tips, places, strict=True)]
+        return np.array([linear for linear, _ in pairs]), np.array([angular for _, angular in pairs])
 
     def jacobians(self, tip: Tip, point: Array, all_joints: list[float]) -> tuple[Array, Array]:
         """The linear and angular (3, n) world-frame Jacobians of a material point (3,), given in the tip's frame."""
@@ -247,6 +240,27 @@ class BulletHand:
             if parent in moved:
                 moved.add(index)
         return moved
+
+    def still_links(self) -> set[int]:
+        """The links that no joint moves, that of the root (-1) among them."""
+        return {-1, *range(len(self.parents))} - self.links_beyond(self.movable_names)
+
+    def link_origins(self) -> list[Array]:
+        """Where the frame of each link is (3,) [m]."""
+        every = list(range(len(self.parents)))
+        states = self._engine.getLinkStates(
+            self.body, every, computeForwardKinematics=True, physicsClientId=self._client
+        )
+        return [np.array(state[4]) for state in states]
+
+    def link_sizes(self, links: Sequence[int]) -> list[float]:
+        """How far [m] links reach from the origins of their frames, at the most: those of the boxes they are in."""
+        origins, sizes = self.link_origins(), list[float]()
+        for link in links:
+            low, high = self._engine.getAABB(self.body, link, self._client)
+            away = np.linalg.norm(box_corners(np.array(low), np.array(high)) - origins[link], axis=1)
+            sizes.append(float(away.max()))
+        return sizes
 
     def palm(self) -> Palm:
         """The palm at the origin of its link."""

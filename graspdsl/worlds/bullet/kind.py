@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-from graspdsl.basis.spaces import GradientSpace
-from graspdsl.worlds.bullet.engine import CONTROL_RATE
-from graspdsl.worlds.kind import TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import WitnessedWorld
-from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
+from collections.abc import Mapping
+from typing import ClassVar
+
+from graspdsl.worlds.bullet.engine import EFFORT, INSTALLED_BY
+from graspdsl.worlds.kind import Effort
+from graspdsl.worlds.rigid.engine import Engine
+from graspdsl.worlds.rigid.kind import RigidBodies
 
 
-class Bullet(WorldKind):
+class Bullet(RigidBodies):
     """Rigid bodies under gravity, by PyBullet."""
 
     name = "bullet"
     about = "rigid bodies under gravity, soft fingertips on load cells (PyBullet)"
-    rate = CONTROL_RATE
-    sliding = frozenset({GradientSpace.JOINTS})
-    probing = frozenset({GradientSpace.JOINTS, GradientSpace.SURFACE, GradientSpace.CARTESIAN})
 
-    @property
-    def senses(self) -> tuple[str, ...]:
-        """All of the table."""
-        return tuple(TACTILE_SENSORS)
+    effort = EFFORT
+    libraries: ClassVar[Mapping[str, str]] = {"pybullet": INSTALLED_BY}
 
-    def make(self, settings: WorldSettings) -> WitnessedWorld:
-        """The world in which joints are commanded, or contacts probed."""
-        from graspdsl.worlds.bullet.probing import ProbingWorld
-        from graspdsl.worlds.bullet.world import BulletWorld
+    def engine(self, effort: Effort) -> Engine:
+        """PyBullet."""
+        from graspdsl.worlds.bullet.stage import BulletEngine
 
-        return ProbingWorld(settings) if settings.probes else BulletWorld(settings)
-
-    def studio(self, view: View) -> TrialStudio:
-        """Hand and object."""
-        from graspdsl.worlds.bullet.replay import GraspStudio
-
-        assert view.start is not None
-        return GraspStudio(view.settings, view.start, view.grasp, window=view.window)
+        return BulletEngine(effort)

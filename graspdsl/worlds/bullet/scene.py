@@ -11,18 +11,12 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.objects.shapes import Body
-from graspdsl.worlds.bullet.engine import TIME_STEP
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.solids import put_body, speck
 from graspdsl.worlds.camera import box_corners
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import PARTIES, TABLE_SIZE
-
-OUT_OF_THE_WAY = 1.0  # m
-WOOD = (0.76, 0.62, 0.46, 1.0)
-UP = np.array([0.0, 0.0, 1.0])
-
-Pose = tuple[tuple[float, ...], tuple[float, ...]]  # centre of mass [m], quaternion (x, y, z, w)
+from graspdsl.worlds.rigid.engine import OUT_OF_THE_WAY, ROLLING_RESISTANCE, EnginePose, stands_free, stands_still
 
 
 class Touch(NamedTuple):
@@ -48,24 +42,22 @@ def forces_of(touches: Sequence[Touch]) -> Array:
 class Scene:
     """A table whose top is z = 0 and one object that stands on it at the origin.
 
-    For an object that is held or afloat the table is lowered out of the way; ``attach`` fixes the object to the hand.
-    What is not ``seen`` has no looks.
+    For an object that is held or afloat the table is lowered out of the way; ``attach`` fixes the object to the hand,
+    ``stand_on`` lets another hand hold it.
     """
 
-    def __init__(
-        self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor, *, seen: bool = False
-    ) -> None:
+    def __init__(self, engine: Any, client: int, body: Body, table_friction: float, anchor: Anchor) -> None:
         self._engine, self._client = engine, client
-        self.table = self._put_table(-OUT_OF_THE_WAY if anchor in (Anchor.HAND, Anchor.AFLOAT) else 0.0, seen)
+        self.table = self._put_table(0.0 if stands_free(anchor) else -OUT_OF_THE_WAY)
         self.mass = body.mass
-        self._topples = not (body.shape.rolls or anchor is Anchor.AFLOAT)
-        self._body = put_body(engine, client, body, fixed=anchor is Anchor.WORLD, seen=seen)
+        self._body = put_body(engine, client, body, fixed=stands_still(anchor))
         self.object = self._body.index
         self._body.move(engine, client, np.array([0.0, 0.0, body.shape.extent[2] / 2]))
         # The engine multiplies the coefficients of two bodies: the object's is one, the others say theirs.
         engine.changeDynamics(self.table, -1, lateralFriction=table_friction, physicsClientId=client)
         engine.changeDynamics(self.object, -1, lateralFriction=1.0, physicsClientId=client)
-        self.mark_rest()
+        if body.shape.lies_round:
+            engine.changeDynamics(self.table, -1, rollingFriction=ROLLING_RESISTANCE, physicsClientId=client)
         self.forget()
 
     def attach(self, hand: BulletHand) -> None:
@@ -89,27 +81,36 @@ class Scene:
             physicsClientId=client,
         )
 
-    def _put_table(self, top: float, seen: bool) -> int:
+    def stand_on(self, hand: BulletHand) -> None:
+        """Let the links of a mount that no joint moves hold the object, and press on nothing."""
+        for link in hand.still_links():
+            self._engine.setCollisionFilterPair(hand.body, self.object, link, -1, 0, self._client)
+
+    def _put_table(self, top: float) -> int:
         engine, client, half = self._engine, self._client, [size / 2 for size in TABLE_SIZE]
         collision = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
-        wood = {"halfExtents": half, "rgbaColor": WOOD, "physicsClientId": client}
-        visual = engine.createVisualShape(engine.GEOM_BOX, **wood) if seen else speck(engine, client)
         place = [0.0, 0.0, top - half[2]]
-        index: int = engine.createMultiBody(0.0, collision, visual, place, physicsClientId=client)
+        index: int = engine.createMultiBody(0.0, collision, speck(engine, client), place, physicsClientId=client)
         return index
 
-    def place(self, pose: Pose) -> None:
+    def place(self, pose: EnginePose) -> None:
         """Put the object into a pose, at rest."""
         self._engine.resetBasePositionAndOrientation(self.object, *pose, self._client)
         self._engine.resetBaseVelocity(self.object, [0, 0, 0], [0, 0, 0], self._client)
 
-    def put(self, centre: Array, rotation: Array) -> None:
-        """Put the object into a pose as ``object_pose`` tells it."""
-        self._body.place(self._engine, self._client, centre, rotation)
+    def pose(self) -> EnginePose:
+        """Where the object is, as the engine has it."""
+        position, quaternion = self._engine.getBasePositionAndOrientation(self.object, self._client)
+        return position, quaternion
 
-    def mark_rest(self) -> None:
-        """Take the object's present pose as the one it is compared with."""
-        self._rest_up = self.object_pose()[1].T @ UP
+    def velocity(self) -> tuple[Array, Array]:
+        """The object's velocities (3,) [m/s] and (3,) [rad/s]."""
+        moving, turning = self._engine.getBaseVelocity(self.object, self._client)
+        return np.array(moving), np.array(turning)
+
+    def move(self, velocity: Array, rate: Array) -> None:
+        """Give the object velocities (3,) [m/s] and (3,) [rad/s]."""
+        self._engine.resetBaseVelocity(self.object, velocity.tolist(), rate.tolist(), self._client)
 
     def object_pose(self) -> tuple[Array, Array]:
         """The object's centre of mass (3,) [m] and the rotation (3, 3) of its body frame."""
@@ -119,19 +120,6 @@ class Scene:
         """The corners (8, 3) [m] of a box along the axes of the world that the object is in."""
         low, high = self._engine.getAABB(self.object, physicsClientId=self._client)
         return box_corners(np.array(low), np.array(high))
-
-    def lean(self) -> float:
-        """The angle [rad] by which what was up in the object at rest is off the vertical; a ball may roll, and what
-        floats may turn."""
-        if not self._topples:
-            return 0.0
-        up = self.object_pose()[1] @ self._rest_up
-        return math.atan2(float(np.hypot(up[0], up[1])), float(up[2]))
-
-    def distance_from(self, point: Array) -> float:
-        """A distance [m] that the object is away from a point (3,) at the least: that of the box it is in."""
-        low, high = self._engine.getAABB(self.object, physicsClientId=self._client)
-        return float(np.linalg.norm(point - np.clip(point, low, high)))
 
     def clearance(self, hand: int, links: set[int] | None, within: float) -> float:
         """The least distance [m] between these links of the hand (None: all) and the table or the object.
@@ -145,10 +133,6 @@ class Scene:
             for part in parts
         ]
         return min((point[8] for points in near for point in points), default=math.inf)
-
-    def distance_to_object(self, hand: int, link: int, within: float) -> float:
-        """The distance [m] between a link of the hand and the object; infinite above ``within``."""
-        return min((pair[8] for pair in self.closest(hand, link, within)), default=math.inf)
 
     def closest(self, hand: int, link: int, within: float) -> list[tuple[Any, ...]]:
         """The engine's pairs of near points of a link of the hand and of the object, at most ``within`` [m] apart."""
@@ -170,12 +154,12 @@ class Scene:
         """Forget what has acted on the object."""
         self._acted: list[tuple[Array, list[Touch]]] = []
 
-    def note(self) -> None:
-        """Note what acts on the object in the step of physics that was just taken."""
+    def note(self, time_step: float) -> None:
+        """Note what acts on the object in the step of physics [s] that was just taken."""
         position, _ = self._engine.getBasePositionAndOrientation(self.object, self._client)
         velocity, _ = self._engine.getBaseVelocity(self.object, self._client)
         # The engine tells contacts where they were as the step began.
-        self._acted.append((np.array(position) - TIME_STEP * np.array(velocity), self.touches()))
+        self._acted.append((np.array(position) - time_step * np.array(velocity), self.touches()))
 
     def loads(self, hand: BulletHand, gravity: float) -> Array:
         """What PARTIES put on the object (4, 6): force [N], then moment [N·m] about its centre of mass.

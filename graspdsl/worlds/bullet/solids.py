@@ -1,4 +1,4 @@
-"""Shapes inside Bullet: how they collide, how they look, how their mass is spread."""
+"""Shapes inside Bullet: how they collide, how their mass is spread."""
 
 from __future__ import annotations
 
@@ -13,12 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.objects.facets import Hull
-from graspdsl.objects.shading import Shaded
-from graspdsl.objects.shape import convex_parts, shaded
+from graspdsl.objects.shape import convex_parts
 from graspdsl.objects.shapes import Body
 from graspdsl.worlds.bullet.hand import rotation_matrix
-
-PAPER = (0.93, 0.91, 0.86, 1.0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -41,17 +38,9 @@ class EngineBody:
         position = (origin + self.centre).tolist()
         engine.resetBasePositionAndOrientation(self.index, position, quaternion.tolist(), client)
 
-    def place(self, engine: Any, client: int, centre: Array, rotation: Array) -> None:
-        """Put the centre of mass at (3,) [m] and the shape's frame into a rotation (3, 3), as ``pose`` tells them."""
-        quaternion = Rotation.from_matrix(rotation @ self.axes).as_quat()
-        engine.resetBasePositionAndOrientation(self.index, centre.tolist(), quaternion.tolist(), client)
 
-
-def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -> EngineBody:
-    """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free.
-
-    seen: whether it has looks; the engine keeps those of every world for good, so nobody's are not made.
-    """
+def put_body(engine: Any, client: int, body: Body, *, fixed: bool) -> EngineBody:
+    """A body with the origin of its shape's frame at that of the world, upright; ``fixed`` to the world or free."""
     solid = body.shape.solid
     moments, axes = solid.principal(body.mass)
     back = (axes.T, -axes.T @ solid.centre)
@@ -62,11 +51,7 @@ def put_body(engine: Any, client: int, body: Body, *, fixed: bool, seen: bool) -
         collision = _collision(engine, client, [hull.placed(*back) for hull in hulls])
     else:
         collision = primitive
-    visual = (
-        visual_of(engine, client, [part.placed(*back) for part in shaded(body.shape)])
-        if seen
-        else speck(engine, client)
-    )
+    visual = speck(engine, client)
     index: int = engine.createMultiBody(0.0 if fixed else body.mass, collision, visual, physicsClientId=client)
     for hull in hulls[:1]:
         engine.changeDynamics(index, -1, collisionMargin=hull.margin, physicsClientId=client)
@@ -121,23 +106,7 @@ def _wavefront(hulls: Sequence[Hull]) -> str:
 
 
 def speck(engine: Any, client: int) -> int:
-    """The number of the visual shape of what nobody sees; without one the engine would draw what collides."""
+    """The number of the visual shape of what nobody sees: the engine keeps looks of every world for good, and without
+    one it would make those of what collides."""
     index: int = engine.createVisualShape(engine.GEOM_BOX, halfExtents=[1e-4] * 3, physicsClientId=client)
-    return index
-
-
-def visual_of(engine: Any, client: int, surface: Sequence[Shaded]) -> int:
-    """The number of a visual shape of triangles."""
-    vertices = np.concatenate([part.vertices for part in surface])
-    starts = np.cumsum([0, *(len(part.vertices) for part in surface[:-1])])
-    faces = np.concatenate([part.faces + start for part, start in zip(surface, starts, strict=True)])
-    index: int = engine.createVisualShape(
-        engine.GEOM_MESH,
-        vertices=vertices.tolist(),
-        normals=np.concatenate([part.normals for part in surface]).tolist(),
-        uvs=np.zeros((len(vertices), 2)).tolist(),
-        indices=faces.ravel().tolist(),
-        rgbaColor=PAPER,
-        physicsClientId=client,
-    )
     return index

@@ -50,10 +50,10 @@ class Gliding(WorldKind):
         return GlidingWorld(settings)
 
     def studio(self, view: View) -> TrialStudio:
-        """The surface and its contacts. The engine that draws them is loaded here, not with this file."""
-        from graspdsl.worlds.bullet.replay import SurfaceStudio
+        """The surface and its contacts. What draws them is loaded here, not with this file."""
+        from graspdsl.worlds.mujoco.studio import SurfaceStudio
 
-        return SurfaceStudio(view.settings.body.shape.surface(), view.contacts, window=view.window)
+        return SurfaceStudio(view)
 
 
 class GlidingWorld:
