@@ -72,7 +72,6 @@ def _key(model: Path) -> str:
 def _write(texts: Mapping[Path, str]) -> None:
     for place, text in texts.items():
         with reading(str(place)):
-            place.parent.mkdir(parents=True, exist_ok=True)
             replace(place.parent, {place.name: text.encode()})
         result(on_one_line(str(place)))
 

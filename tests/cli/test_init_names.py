@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from graspdsl.cli.starting import init_hand
-from graspdsl.cli.starting_mounts import init_mount
+from graspdsl.cli.starting import init_hand, init_mount
 from graspdsl.cli.viewing import view_hand
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.hands.descriptions import HERE

@@ -26,7 +26,6 @@ REFUSED = {
     "other bytes": (b"<?xml version='1.0' encoding='utf-8'?><r a='\xff'/>", "bad-xml", "line 1, column 45"),
     "other width": (b"<?xml version='1.0' encoding='utf-16'?><r/>", "bad-xml", "line 1, column 31"),
     "entity without a type": (b"<r>\n &a;</r>", "bad-xml", "line 2, column 2: undefined entity"),
-    "prefix": (b"<r><x:a/></r>", "bad-xml", "unbound prefix"),
     "empty": (b"", "bad-xml", "no element found"),
     "binary": (bytes(range(256)), "bad-xml", "line 1, column 1"),
     "cut short": (b"<r><a>", "bad-xml", "line 1, column 7"),
@@ -51,6 +50,10 @@ def test_what_is_refused_is_refused_at_once(case: str) -> None:
     assert fault.hint
 
 
+def test_elements_for_other_programs_are_read() -> None:
+    assert [element.tag for element in xml_tree(b"<r><x:a/><b/></r>", "robot.xml")] == ["x:a", "b"]
+
+
 @pytest.mark.parametrize(
     "encoding",
     [
@@ -70,6 +73,10 @@ def test_elements_know_their_places(encoding: str) -> None:
 def test_what_the_writer_of_the_standard_library_declares(encoding: str) -> None:
     written = ElementTree.tostring(ElementTree.Element("robot", name="é"), encoding, xml_declaration=True)
     assert xml_tree(written, "robot.xml").get("name") == "é"
+
+
+def test_elements_for_other_programs_are_read() -> None:
+    assert [element.tag for element in xml_tree(b"<r><x:a/><b/></r>", "robot.xml")] == ["x:a", "b"]
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_it_is_in_the_schema(site: Path, tmp_path: Path) -> None:
     schema = json.loads(graspdsl("schema", cwd=tmp_path, site=site).stdout)
     parts = schema["$defs"]
     assert {"gliding"} <= set(parts["Scene"]["properties"]["world"]["enum"])
-    assert {"portal"} <= set(parts["Scene"]["properties"]["mount"]["enum"])
+    assert {"portal"} <= set(parts["Scene"]["properties"]["mount"]["anyOf"][0]["enum"])
     assert "isotropy" in schema["properties"]["evaluate"]["items"]["enum"]
     assert "cup" in parts["InlineObject"]["properties"]
     assert "force-cell" in parts["Sensing"]["properties"]

@@ -10,7 +10,7 @@ import pytest
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import catalogue
-from graspdsl.worlds.bullet.engine import TIME_STEP, pybullet
+from graspdsl.worlds.bullet.engine import EFFORT, pybullet
 from graspdsl.worlds.bullet.hand import rotation_matrix
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import PARTIES
@@ -18,6 +18,7 @@ from graspdsl.worlds.rigid.world import RigidWorld
 
 from .scenes import ROBOT, ROLL, bullet_world, grasped, main_program, opened, run_phase, settings, side_start, still
 
+TIME_STEP = EFFORT.time_step
 WITHIN = np.repeat([1e-7, 1e-8], 3)  # N, N·m
 STEPS = 20
 

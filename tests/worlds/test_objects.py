@@ -19,7 +19,7 @@ from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.objects.superquadric import Superquadric
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
-from graspdsl.worlds.bullet.engine import TIME_STEP, pybullet
+from graspdsl.worlds.bullet.engine import EFFORT, pybullet
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.bullet.stage import BulletEngine
 from graspdsl.worlds.kind import Anchor
@@ -48,7 +48,7 @@ class Stage(NamedTuple):
 
     def simulate(self, seconds: float) -> None:
         """Let time pass."""
-        for _ in range(round(seconds / TIME_STEP)):
+        for _ in range(round(seconds / EFFORT.time_step)):
             self.engine.stepSimulation(self.client)
 
     def pushed(self, torque: Array) -> Array:
@@ -64,7 +64,7 @@ def staged(body: Body, anchor: Anchor = Anchor.NONE, gravity: float = GRAVITY) -
     engine = pybullet()
     client = engine.connect(engine.DIRECT)
     try:
-        engine.setTimeStep(TIME_STEP, client)
+        engine.setTimeStep(EFFORT.time_step, client)
         engine.setGravity(0, 0, -gravity, client)
         yield Stage(engine, client, Scene(engine, client, body, FRICTION, anchor))
     finally:
@@ -102,7 +102,7 @@ def test_a_torque_turns_it_as_its_inertia_says(name: str) -> None:
     torque = np.array([0.01, -0.02, 0.015])
     with staged(body, gravity=0.0) as stage:
         rate = stage.pushed(torque)
-    expected = np.linalg.solve(body.shape.solid.inertia(body.mass), torque * TIME_STEP)
+    expected = np.linalg.solve(body.shape.solid.inertia(body.mass), torque * EFFORT.time_step)
     # The engine damps turning by a few hundredths a second.
     np.testing.assert_allclose(rate, expected, atol=1e-3 * np.linalg.norm(expected))
 
