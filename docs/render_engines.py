@@ -82,7 +82,7 @@ def once(place: Path, *settings: str) -> Run:
     if (place / MANIFEST).exists():
         return resume(place)
     program = load(MAIN, set=["scene.world=mujoco", f"trials.count={TRIALS}", f"trials.seed={SEED}", *settings])
-    return run(program, out=place)
+    return run(program, out=place, workers=2)
 
 
 def broken(place: Path) -> Iterator[str]:
