@@ -75,10 +75,6 @@ def test_what_the_writer_of_the_standard_library_declares(encoding: str) -> None
     assert xml_tree(written, "robot.xml").get("name") == "é"
 
 
-def test_elements_for_other_programs_are_read() -> None:
-    assert [element.tag for element in xml_tree(b"<r><x:a/><b/></r>", "robot.xml")] == ["x:a", "b"]
-
-
 @pytest.mark.parametrize(
     "encoding", ["rot13", "idna", "unicode_escape", "utf-7", "utf-32", "utf-8-sig", "no.such", "."]
 )
