@@ -171,17 +171,17 @@ def _drive(spec: mujoco.MjSpec, hand: Collection[str]) -> None:
 def _fingertip(spec: mujoco.MjSpec, contact: str, robot: Robot) -> TipBody:
     """Make a fingertip of its declared shape, with a load cell before it."""
     said = robot.hand.contacts[contact]
+    cell = f"{TIP}{said.link}"
     link = spec.body(said.link)
     for geom in list(link.geoms):
         spec.delete(geom)
     if not said.cell:  # its link is no fingertip alone
-        link = link.add_body(name=f"{TIP}{said.link}", gravcomp=1.0)
+        link = link.add_body(name=cell, gravcomp=1.0)
         link.explicitinertial, link.mass, link.ipos = True, BARE_TIP, list(said.shape.centre)
         link.inertia = [0.4 * BARE_TIP * 0.01**2] * 3
     geom = tip_geom(link, said.shape)
-    geom.name = f"{TIP}{said.link}"
+    geom.name = cell
     _collide(geom, _HAND, _TABLE | _HAND, 0.0)
-    cell = f"{TIP}{said.link}"
     link.add_site(name=cell, pos=link.ipos)
     for kind, sensor in (("force", mujoco.mjtSensor.mjSENS_FORCE), ("moment", mujoco.mjtSensor.mjSENS_TORQUE)):
         spec.add_sensor(name=f"{cell}-{kind}", type=sensor, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=cell)
