@@ -23,7 +23,8 @@ from graspdsl.worlds.start_pose import pose
 
 WIDTHS = (0.6, 0.8)  # of the object, of how far the hand opens
 WIDEST, NARROWEST, HEIGHT = 0.15, 0.01, 0.20  # m
-ROLLS = (0.0, 0.5 * np.pi, 0.25 * np.pi)  # rad
+YAWS = (0.0, -0.5 * np.pi, 0.5 * np.pi, np.pi)  # rad, sides of the object
+ROLLS = (0.0, 0.5 * np.pi, 0.25 * np.pi, np.pi)  # rad
 STANDOFFS = np.arange(0.01, 0.12, 0.01)  # m
 TICKS, STILL = 50, 0.02  # m or rad, that joints may give way
 
@@ -33,13 +34,14 @@ def taken_up(robot: Robot) -> Iterator[Breach]:
     if any(taken_names(robot)):
         return  # it is no robot, as the rule of names says
     refused = Counter[str]()
+    held = Anchor.MOUNT if robot.mount.holds else Anchor.WORLD
     widest = min(WIDEST, max(NARROWEST, float(FingertipMotion(robot).openings()[:, 0].max(initial=0.0))))
     for width in WIDTHS:
         body = Body("cylinder", Cylinder(diameter=width * widest, height=HEIGHT), 0.3)
-        world = rigid_bodies().make(WorldSettings(robot, body, 0.4, Exact(), Anchor.WORLD))
-        for roll, standoff in product(ROLLS, STANDOFFS):
+        world = rigid_bodies().make(WorldSettings(robot, body, 0.4, Exact(), held))
+        for yaw, roll, standoff in product(YAWS, ROLLS, STANDOFFS):
             try:
-                seen = world.reset(_start(robot, body, roll, float(standoff)), 0)
+                seen = world.reset(_start(robot, body, yaw, roll, float(standoff)), 0)
             except InfeasibleStartError as error:
                 refused[str(error)] += 1
                 continue
@@ -62,6 +64,6 @@ def _at_zero(robot: Robot) -> Flags:
     return np.array([robot.mount.base is None and name in robot.mount.joints for name in robot.joints])
 
 
-def _start(robot: Robot, body: Body, roll: float, standoff: float) -> Start:
-    drawn = {"roll": roll, "yaw": 0.0, "tilt": 0.0, "height": 0.6 * HEIGHT, "standoff": standoff, "offset": 0.0}
+def _start(robot: Robot, body: Body, yaw: float, roll: float, standoff: float) -> Start:
+    drawn = {"roll": roll, "yaw": yaw, "tilt": 0.0, "height": 0.6 * HEIGHT, "standoff": standoff, "offset": 0.0}
     return pose("side", drawn, body, robot.hand.palm_surface)

@@ -141,7 +141,10 @@ class FingertipMotion:
 
     def face(self, joints: Array) -> LinkMotion:
         """The mounting face at joints (..., n), in the frame of the robot's root."""
-        return self._link(self._face, joints @ self._coupling.T)[0]
+        link, batch = self._link(self._face, joints @ self._coupling.T)[0], joints.shape[:-1]
+        # Slides alone turn nothing, and what turns about the face does not move it.
+        origin, rotation = np.broadcast_to(link.origin, (*batch, 3)), np.broadcast_to(link.rotation, (*batch, 3, 3))
+        return LinkMotion(origin, rotation, link.axes, link.coupling)
 
     def _moved(self, joints: Array) -> tuple[Array, Array, Array]:
         """The fingertips' centres (..., k, 3) [m] at joints (..., n), in the frame of the hand's root, and their linear

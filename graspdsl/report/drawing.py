@@ -1,4 +1,7 @@
-"""How figures are drawn, and written as files and as parts of a page; the same figure gives the same bytes."""
+"""How figures are drawn, and written as files and as parts of a page; the same figure gives the same bytes.
+
+Canvases write them, not ``Figure.savefig``, which draws and lays out each figure once more before it does.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import matplotlib
 import numpy as np
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -54,8 +60,10 @@ class Drawing:
         return Markup(inline_svg(self.file, self.name, str(escape(self.caption))))
 
     def files(self, folder: str = "") -> dict[str, str | bytes]:
-        """Its files by their names, for papers too."""
-        return {f"{folder}{self.name}.svg": self.file, f"{folder}{self.name}.png": png_of(self.figure)}
+        """Its files by their names, for papers too; both are laid out alike."""
+        file = self.file
+        self.figure.set_layout_engine("none")
+        return {f"{folder}{self.name}.svg": file, f"{folder}{self.name}.png": png_of(self.figure)}
 
 
 def panels_of(height: float, ratios: Sequence[float], *, shared: bool = True) -> tuple[Figure, list[Axes]]:
@@ -85,7 +93,8 @@ def svg_of(figure: Figure, name: str) -> str:
     """A figure as an SVG file, its text as text."""
     stream = io.StringIO()
     with _written_out(figure), _quiet(), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        canvas: Any = FigureCanvasSVG(figure)  # whose own types are missing
+        canvas.print_svg(stream, metadata={"Date": None, "Creator": None})
     without_comments = re.sub(r"<!--.*?-->\n?", "", stream.getvalue(), flags=re.DOTALL)
     lowered = re.sub(
         r"ρ_(\w)([^<]*)", r'ρ<tspan dy="2" font-size="70%">\1</tspan><tspan dy="-2">\2</tspan>', without_comments
@@ -122,8 +131,10 @@ def _in_tags(pattern: str, replacement: str | Callable[[re.Match[str]], str], te
 def png_of(figure: Figure) -> bytes:
     """A figure as a PNG picture, for papers."""
     stream = io.BytesIO()
+    figure.dpi = RESOLUTION
+    canvas: Any = FigureCanvasAgg(figure)
     with _quiet():
-        figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+        canvas.print_png(stream, metadata={"Software": None})
     return stream.getvalue()
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
@@ -143,6 +142,8 @@ class _Felt:
     def __init__(self, robot: Robot, position: Array, quaternion: Array) -> None:
         self.tips = tuple(_tips(robot))
         self._motion = FingertipMotion(robot)
+        from scipy.spatial.transform import Rotation  # which takes its time to import
+
         self._position, self._rotation = position, Rotation.from_quat(quaternion).as_matrix()
         self._links: list[LinkMotion] = []
         self._held_up = np.zeros((len(self.tips), 6))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.program import SPEC, TRIALS, Stop, begun, graspdsl, numbers, stopped
+from cli.program import ROOT, TRIALS, Stop, begun, graspdsl, numbers, stopped
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.store import RunFolder
@@ -22,14 +22,15 @@ from graspdsl.trials.store import RunFolder
 pytestmark = pytest.mark.slow
 
 RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
-CLOSE = SPEC.parent / "chapter" / "close.yaml"  # whose trials are short
-FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
+CLOSE = ROOT / "specs" / "chapter" / "close.yaml"  # whose trials are short
+QUICK = ("--set", "scene.world=mujoco")
+FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
     """The numbers of a run that nothing stops."""
-    words = ("run", CLOSE, "--trials", str(TRIALS), "--workers", "1", "--json")
+    words = ("run", CLOSE, *QUICK, "--trials", str(TRIALS), "--workers", "1", "--json")
     answer = graspdsl(*words, cwd=tmp_path_factory.mktemp("undisturbed"))
     return numbers(json.loads(answer.stdout))
 
@@ -57,7 +58,7 @@ def _to_a_worker(number: signal.Signals) -> Stop:
 
 def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
-    words = ("run", CLOSE, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
+    words = ("run", CLOSE, *QUICK, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
     answer = stopped(*words, cwd=place, after=f" 1/{TRIALS} ", stop=stop)
     return answer.returncode, answer.stdout, answer.stderr
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from cli.program import SPEC, graspdsl, interrupt, stopped
+from cli.program import ROOT, SPEC, graspdsl, interrupt, stopped
 from graspdsl.trials.store import RunFolder
 
 pytestmark = pytest.mark.slow
 
-FLOATING = SPEC.parent / "compare" / "moment_subject_to_force.yaml"
+FLOATING = ROOT / "specs" / "compare" / "moment_subject_to_force.yaml"
 SHORT = ("--set", "program.1.limit=1.0")  # s: enough to tell the classes of the cells apart
 HAND = ("--over", "roll,height=-0.2:0.2", "--grid", "2x2", *SHORT)
 

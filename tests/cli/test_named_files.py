@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 HANDS = ROOT / "graspdsl" / "hands"
 SPEC = ROOT / "specs" / "hands" / "trio_towel_roll.yaml"
-SHORT = ("--set", "program.1.limit=0.5", "--workers", "1")
+SHORT = ("--set", "program.1.limit=0.5", "--set", "scene.world=mujoco", "--workers", "1")
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.program import PROGRAM, SPEC, FinishedRun, graspdsl
+from cli.program import PROGRAM, SHORT, SPEC, FinishedRun, graspdsl
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +42,7 @@ def test_nobody_reads_the_results(words: list[str], code: int, messages: bytes, 
 def test_a_run_goes_on_when_nobody_reads_its_messages(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    command = [PROGRAM, "run", SPEC, "--trials", "1", "--json"]
+    command = [PROGRAM, "run", SPEC, *SHORT, "--trials", "1", "--json"]
     answer = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=writer, check=False)
     os.close(writer)
     assert answer.returncode == 0
@@ -109,7 +109,7 @@ def _on_a_terminal(columns: int, *words: str | Path, cwd: Path, env: dict[str, s
 
 @pytest.mark.parametrize("columns", [30, 80])
 def test_progress_stays_on_one_line(columns: int, tmp_path: Path) -> None:
-    text = _on_a_terminal(columns, "run", SPEC, "--trials", "2", "--workers", "1", cwd=tmp_path)
+    text = _on_a_terminal(columns, "run", SPEC, *SHORT, "--trials", "2", "--workers", "1", cwd=tmp_path)
     (line,) = [line for line in text.split("\n") if "/2" in line]
     states = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", state) for state in line.split("\r\x1b[2K")]
     counts = [next(word for word in state.split() if "/2" in word) for state in states]

@@ -221,7 +221,7 @@ def test_files_that_hold_no_object_are_refused(tmp_path: Path) -> None:
         ("folder.stl", "is-a-directory"),
         ("empty.stl", "empty-mesh"),
         ("part.step", "unknown-mesh-format"),
-        ("part.urdf", "bad-urdf"),
+        ("part.urdf", "bad-name"),
         ("tip.stl", "unstable-object"),
     ):
         done = graspdsl("view", "--object", name, "--images", "seen", cwd=tmp_path)

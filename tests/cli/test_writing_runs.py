@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from cli.program import SPEC, begun, graspdsl, interrupt, numbers, stopped
+from cli.program import ROOT, begun, graspdsl, interrupt, numbers, stopped
 from graspdsl.cli.app import app
 from graspdsl.trials.store import RunFolder, locked
 
 pytestmark = pytest.mark.slow
 
-FLOATING = SPEC.parent / "chapter" / "4_30_grasp_cartesian.yaml"
+FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 COUNT = "40"
 GO_ON = "hint: finished trials are kept. Once that is mended, to go on: graspdsl run --resume run\n"
 
@@ -110,7 +110,7 @@ def test_experiments_in_one_folder_are_refused_too(tmp_path: Path, monkeypatch: 
     monkeypatch.chdir(tmp_path)
     Path("all").mkdir()
     with locked(Path("all")):
-        spec = SPEC.parent / "experiments" / "4_detergent_bottle.yaml"
+        spec = ROOT / "specs" / "experiments" / "4_detergent_bottle.yaml"
         answer = CliRunner().invoke(app, ["experiments", str(spec), "--out", "all"])
     assert (answer.exit_code, answer.stderr.count("all: error[folder-in-use]")) == (1, 1)
     assert [file.name for file in Path("all").iterdir()] == ["lock"]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import Diagnostic, as_text
@@ -22,7 +23,7 @@ class Case:
     text: str
     overrides: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What is said of it."""
         return examine(self.text, "spec.yaml", self.overrides).diagnostics
@@ -64,6 +65,10 @@ SCENE = (
     Case("trials that are all equal, on the command line", spec(start="roll: 0.3"), ("trials.count=8",)),
     Case("a hand that is not there", spec(scene="world: bullet, hand: baret, object: towel-roll")),
     Case("a mount that is not there", spec(scene="world: bullet, mount: gantri, object: towel-roll")),
+    Case(
+        "an object that another hand does not hold",
+        spec(scene="world: bullet, mount: dexter, object: ball"),
+    ),
     Case("an object that is not there", spec(scene="world: bullet, object: towel-rol")),
     Case("a file of triangles by its name alone", spec(scene="world: bullet, object: parts/part.STL")),
     Case("a URDF file by its name alone", spec(scene="world: bullet, object: {like: part.urdf, mass: 1.0}")),

@@ -38,7 +38,7 @@ MUTANTS = [
     ("named", PORTAL.model_copy(update={"mount": "a portal"})),
     ("told", PORTAL.model_copy(update={"about": ""})),
     ("model", PORTAL.model_copy(update={"joint_sets": {"rails": ("rail-x", "rail-w")}})),
-    ("carries", PORTAL.model_copy(update={"face": "quill"})),
+    ("carries", PORTAL.model_copy(update={"face": "quill"}), "model"),
     ("zero", portal('lower="-0.2"', 'lower="0.1"'), "start"),
     ("names", portal('"carriage-x"', '"tip-1"')),
     ("start", portal('effort="300.0"', 'effort="0.01"')),

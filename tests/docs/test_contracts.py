@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import re
 import runpy
 import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from cli.program import TIMEOUT
 
+from cli import warm
 from graspdsl.contracts.kinds import CONTRACTS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -72,8 +71,8 @@ def test_every_block_is_checked(page: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def surroundings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Those of a process in which the stranger's package is installed, as an installer notes it."""
+def sites(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Where the stranger's package is installed, as an installer notes it, and where it is."""
     project = tomllib.loads((STRANGER / "pyproject.toml").read_text("utf-8"))["project"]
     name, version = project["name"], project["version"]
     site = tmp_path_factory.mktemp("site")
@@ -86,12 +85,12 @@ def surroundings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         for line in (f"[{group}]", *(f"{entry} = {value}" for entry, value in entries.items()))
     ]
     (noted / "entry_points.txt").write_text("\n".join(lines), "utf-8")
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(STRANGER / "src")])}
+    return [site, STRANGER / "src"]
 
 
 @pytest.mark.slow
 @EACH_PAGE
-def test_commands_run(page: str, surroundings: dict[str, str], tmp_path: Path) -> None:
+def test_commands_run(page: str, sites: list[Path], tmp_path: Path) -> None:
     """In their order, in a folder with the specs of the page; they have something to say and nothing to complain of."""
     blocks = BLOCK.findall(PAGES[page])
     for mark, name, _, text in blocks:
@@ -102,14 +101,7 @@ def test_commands_run(page: str, surroundings: dict[str, str], tmp_path: Path) -
     for command in commands:
         words = shlex.split(command)
         assert words[0] == "graspdsl"
-        done = subprocess.run(
-            [Path(sys.executable).with_name("graspdsl"), *words[1:]],
-            cwd=tmp_path,
-            env=surroundings,
-            capture_output=True,
-            encoding="utf-8",
-            check=False,
-        )
+        done = warm.run(words[1:], tmp_path, TIMEOUT, *sites)
         assert done.returncode == 0, done.stdout + done.stderr
         assert done.stdout
         assert not re.search(r"^\S+: (error|warning)\[", done.stdout + done.stderr, flags=re.M), done.stderr

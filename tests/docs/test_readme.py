@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from cli.program import graspdsl
 
 from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import as_text
@@ -45,8 +44,7 @@ def shell_blocks() -> list[list[str]]:
 def printed(command: str, place: Path) -> str:
     """What one of the README's commands prints, run in a folder."""
     words = [str(ROOT / word) if word.startswith("specs/") else word for word in shlex.split(command)[1:]]
-    program = Path(sys.executable).with_name("graspdsl")
-    done = subprocess.run([program, *words], cwd=place, capture_output=True, text=True, check=False)
+    done = graspdsl(*words, cwd=place)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

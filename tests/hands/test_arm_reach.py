@@ -18,7 +18,7 @@ from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.protocol import Start
 from graspdsl.worlds.start_pose import root_pose
 
-from .arms import FILE, arm, urdf, written
+from .arms import FILE, INERTIAL, arm, urdf, written
 
 Forward = Callable[[Array], tuple[Array, Array]]
 
@@ -89,3 +89,23 @@ def test_all_ways_to_a_pose_lead_there(whole: Robot, bullet: Forward) -> None:
 
 def test_what_is_out_of_reach_has_no_posture(whole: Robot) -> None:
     assert len(ArmReach(whole).postures(np.array([3.0, 0.0, 0.0]), np.eye(3))) == 0
+
+
+SLIDES = """<robot name="slides"><link name="foot"/>{}</robot>"""
+SLIDE = (
+    '<link name="{0}-slide">{1}</link><joint name="{0}" type="prismatic"><parent link="{2}"/><child link="{0}-slide"/>'
+    '<axis xyz="{3}"/><limit lower="-0.5" upper="0.5" effort="100" velocity="1"/></joint>'
+)
+
+
+def test_slides_alone_reach_what_needs_no_turn(tmp_path: Path) -> None:
+    inertial = INERTIAL.format(mass=1)
+    rows = (("x", "foot", "1 0 0"), ("y", "x-slide", "0 1 0"), ("z", "y-slide", "0 0 1"))
+    model = SLIDES.format("".join(SLIDE.format(name, inertial, parent, axis) for name, parent, axis in rows))
+    joints = ", ".join(f"{name}: {{weight: 1.0}}" for name, *_ in rows)
+    text = "mount: arm\nabout: slides\nurdf: arm.urdf\nface: z-slide\nbase: {position: [0.1, 0, 0]}\n"
+    mount = mounts_in(written(tmp_path, f"{text}joints: {{{joints}}}\n", model))["arm"]
+    reach = ArmReach(Robot(hand=hands()["barrett"], mount=mount))
+    [found] = reach.postures(np.array([0.3, -0.2, 0.1]), np.eye(3))
+    np.testing.assert_allclose(found, [0.2, -0.2, 0.1], atol=1e-6)
+    assert len(reach.postures(np.array([0.3, -0.2, 0.1]), np.diag([1.0, -1.0, -1.0]))) == 0

@@ -142,4 +142,4 @@ def test_joints_that_follow_one_another_in_a_circle_go_their_own_ways() -> None:
 def test_names_are_read_back_as_text(gripper: GuessedHand) -> None:
     for name in ("true", "123", "1e5"):
         assert yaml.safe_load(hand_text(gripper, name, "mjcf", "gripper.xml", ""))["hand"] == name
-        assert yaml.safe_load(spec_text(gripper, name, "hand.yaml"))["name"] == name
+        assert yaml.safe_load(spec_text(gripper, name, "hand.yaml", "bullet"))["name"] == name

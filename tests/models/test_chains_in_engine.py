@@ -42,6 +42,6 @@ def test_links_that_overlap_over_a_chain_of_joints_do_not_push(tmp_path: Path) -
         engine.performCollisionDetection(client)
         assert len(engine.getContactPoints(hand.body, hand.body, physicsClientId=client)) == 0
         ends = hand.link_index["palm"], hand.link_index["finger"]
-        assert engine.getClosestPoints(hand.body, hand.body, 0.0, *ends, client)[0][8] < 0.0
+        assert engine.getClosestPoints(hand.body, hand.body, 0.0, *ends, physicsClientId=client)[0][8] < 0.0
     finally:
         engine.disconnect(client)

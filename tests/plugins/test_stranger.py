@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -13,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli.program import PROGRAM, ROOT
+from cli.program import ROOT, TIMEOUT
+
+from cli import warm
 
 pytestmark = pytest.mark.slow
 
@@ -61,11 +62,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def graspdsl(*words: str | Path, cwd: Path, site: Path | None) -> subprocess.CompletedProcess[str]:
     """What the program answers where packages are at a place."""
-    surroundings = {**os.environ, "PYTHONPATH": "" if site is None else str(site)}
-    command = [str(PROGRAM), *map(str, words)]
-    return subprocess.run(
-        command, cwd=cwd, env=surroundings, capture_output=True, encoding="utf-8", timeout=120, check=False
-    )
+    return warm.run([*map(str, words)], cwd, TIMEOUT, *([] if site is None else [site]))
 
 
 def document(*words: str | Path, cwd: Path, site: Path | None) -> dict[str, Any]:

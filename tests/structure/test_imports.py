@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,7 @@ SHOWN = {PROGRESS, "graspdsl.api.console"}
 EACH_MODULE = pytest.mark.parametrize("module", MODULES)
 
 
+@cache
 def _tree(module: str) -> ast.Module:
     return ast.parse(MODULES[module].read_text(encoding="utf-8"))
 
@@ -57,8 +59,13 @@ def _package(module: str) -> str:
     return f"{module}..".split(".")[1]
 
 
-def _imports(module: str) -> Iterator[str]:
+@cache
+def _imports(module: str) -> tuple[str, ...]:
     """The modules that a module imports, at its top or later, also by name through importlib."""
+    return tuple(_imported(module))
+
+
+def _imported(module: str) -> Iterator[str]:
     for node in ast.walk(_tree(module)):
         match node:
             case ast.Import(names):

@@ -40,11 +40,19 @@ def timeless(trial: Trial) -> tuple[str, dict[str, bytes]]:
 # Repetition
 
 
-@pytest.mark.parametrize("spec", [MAIN, CSTAR])
-def test_a_trial_repeats_itself_whatever_ran_before(spec: str) -> None:
-    loop = trial_loop(program(spec))
+@pytest.mark.parametrize(
+    ("spec", "settings"),
+    [
+        (MAIN, ("evaluate=[lift]", "program.1.limit=4.0")),
+        (MAIN, ("scene.world=mujoco", "program.1.limit=4.0")),
+        (CSTAR, ()),
+    ],
+    ids=["bullet", "mujoco", "floating"],
+)
+def test_a_trial_repeats_itself_whatever_ran_before(spec: str, settings: tuple[str, ...]) -> None:
+    loop = trial_loop(program(spec, *settings))
     forth = {number: timeless(loop.run(number, 77)) for number in (0, 1)}
-    again = trial_loop(program(spec))
+    again = trial_loop(program(spec, *settings))
     back = {number: timeless(again.run(number, 77)) for number in (1, 0)}
     assert forth == back
     assert len({text for text, _ in forth.values()}) == 2
@@ -72,10 +80,10 @@ def test_converged() -> None:
 # Convergence
 
 
-@pytest.mark.parametrize("seed", [90210, 4711])
-def test_the_towel_roll_is_grasped(seed: int) -> None:
+@pytest.mark.parametrize(("world", "seed"), [("bullet", 90210), ("mujoco", 4711)])
+def test_the_towel_roll_is_grasped(world: str, seed: int) -> None:
     """Starts above 0.7 rad: all but one at most end across the axis, in balance, each contact pressing as told."""
-    loop = trial_loop(program(MAIN))
+    loop = trial_loop(program(MAIN, f"scene.world={world}", "evaluate=[]"))
     records = [loop.run(number, seed).record for number in range(8)]
     started = [record for record in records if record.orientation_start > 0.7]
     assert len(started) >= 3

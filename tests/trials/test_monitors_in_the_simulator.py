@@ -14,6 +14,7 @@ from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
+from graspdsl.worlds.bullet.stage import BulletEngine, BulletStage
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation
 from graspdsl.worlds.rigid.world import RigidWorld
@@ -29,7 +30,7 @@ FAIR_START = "trials.start={roll: 0.4, height: 0.10, standoff: 0.047}"
 
 def run(spec: str, *overrides: str) -> TrialRecord:
     """The record of one trial."""
-    return trial_loop(program_of((SPECS / spec).read_text("utf-8"), spec, overrides)).run(0, 5).record
+    return trial_loop(program_of((SPECS / spec).read_text("utf-8"), spec, ("evaluate=[]", *overrides))).run(0, 5).record
 
 
 def joints(names: str, reference: str, hold: float) -> tuple[str, ...]:
@@ -259,13 +260,15 @@ class Struck(RigidWorld):
         """One tick, with the blow before it once every fingertip touches."""
         if not np.isfinite(self.truth().points).all():
             return super().step(command)
-        self._engine.applyExternalForce(
-            self.hand.body,
-            self.hand.tips[0].link,
+        stage = self.stage
+        assert isinstance(stage, BulletStage)
+        stage.engine.applyExternalForce(
+            stage.hand.body,
+            stage.hand.tips[0].link,
             [float(np.finfo(float).max), 0.0, 0.0],
             [0.0, 0.0, 0.0],
-            self._engine.LINK_FRAME,
-            physicsClientId=self._client,
+            stage.engine.LINK_FRAME,
+            physicsClientId=stage.client,
         )
         return super().step(command)
 
@@ -274,7 +277,7 @@ def test_a_simulation_without_numbers_has_crashed() -> None:
     """In contact: its grades say so, and not that nothing touched."""
     grades = "evaluate=[force-closure, ferrari-canny, lift, shake]"
     program = program_of((SPECS / MAIN).read_text("utf-8"), MAIN, (FAIR_START, grades))
-    world = Struck(WorldSettings(program.robot, program.body, 0.4))
+    world = Struck(BulletEngine(), WorldSettings(program.robot, program.body, 0.4))
     record = TrialLoop(program, world).run(0, 5).record
     assert record.outcome is Outcome.CRASHED
     assert "number" in record.detail

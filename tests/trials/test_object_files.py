@@ -16,7 +16,7 @@ from graspdsl.trials.store import RunFolder
 pytestmark = pytest.mark.slow
 
 SPEC = Path(__file__).parents[2] / "specs" / "towel_roll_two_contacts.yaml"
-OVERRIDES = ("trials.count=2", "program.1.limit=1.0")
+OVERRIDES = ("trials.count=2", "program.1.limit=1.0", "scene.world=mujoco")
 
 
 def _program(file: Path | str, folder: Path) -> Program:

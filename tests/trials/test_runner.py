@@ -24,7 +24,7 @@ COUNT = 3
 @pytest.fixture
 def folder(tmp_path: Path) -> RunFolder:
     """A run that has not begun."""
-    text, overrides = SPEC.read_text(encoding="utf-8"), (f"trials.count={COUNT}",)
+    text, overrides = SPEC.read_text(encoding="utf-8"), (f"trials.count={COUNT}", "scene.world=mujoco")
     return new_run(tmp_path / "run", program_of(text, SPEC.name, overrides))
 
 
@@ -97,6 +97,6 @@ def test_results_of_other_versions_are_not_mixed(folder: RunFolder) -> None:
     versions = {"graspdsl": "0.0.1", "numpy": "1"}
     folder.manifest = dataclasses.replace(folder.manifest, asked=COUNT, versions=versions)
     before = table.read_bytes()
-    with pytest.raises(DiagnosticError, match=r"this run was made with graspdsl 0\.0\.1, numpy 1, pybullet of no"):
+    with pytest.raises(DiagnosticError, match=r"made with graspdsl 0\.0\.1, mujoco of no known version, numpy 1"):
         execute(folder, 1)
     assert table.read_bytes() == before

@@ -12,6 +12,7 @@ from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.turned import Angles, posed
 from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.mujoco.effort import EFFORT
 from graspdsl.worlds.mujoco.stage import MujocoEngine
 from graspdsl.worlds.rigid.engine import Engine, Stage
 from graspdsl.worlds.rigid.lean import Standing
@@ -22,13 +23,11 @@ pytestmark = pytest.mark.slow
 CAN = Cylinder(diameter=0.08, height=0.2)
 # As a user writes a quarter turn: a few millionths off, on which a can without friction rolled away.
 LYING = Body("can", posed(CAN, Angles(rpy=(1.5708, 0.0, 0.0))), 0.4)
-ENGINES = {"bullet": BulletEngine, "mujoco": MujocoEngine}
 
 
-@pytest.fixture(params=ENGINES)
+@pytest.fixture(params=["bullet", "mujoco"])
 def engine(request: pytest.FixtureRequest) -> Engine:
-    made: Engine = ENGINES[request.param]()
-    return made
+    return BulletEngine() if request.param == "bullet" else MujocoEngine(EFFORT)
 
 
 @pytest.fixture

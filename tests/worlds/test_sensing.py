@@ -19,7 +19,7 @@ SLIDING = 1
 
 def errors(*overrides: str) -> tuple[Array, Array]:
     """Distances [m] of sensed from true points and angles [rad] between normals while contacts touch and slide."""
-    loop = trial_loop(main_program(*overrides))
+    loop = trial_loop(main_program("evaluate=[]", *overrides))
     distances, angles = [], []
     for seed, number in TRIALS:
         rows = loop.run(number, seed).trajectory
@@ -34,9 +34,9 @@ def errors(*overrides: str) -> tuple[Array, Array]:
     return np.concatenate(distances), np.concatenate(angles)
 
 
-@pytest.mark.parametrize("friction", [0.2, 0.4, 0.6])
-def test_load_cells_place_contacts(friction: float) -> None:
-    distances, angles = errors(f"scene.friction={friction}")
+@pytest.mark.parametrize(("world", "friction"), [("bullet", 0.2), ("bullet", 0.6), ("mujoco", 0.2), ("mujoco", 0.4)])
+def test_load_cells_place_contacts(world: str, friction: float) -> None:
+    distances, angles = errors(f"scene.friction={friction}", f"scene.world={world}")
     assert np.percentile(distances, 95) < 1e-3
     assert np.degrees(np.percentile(angles, 95)) < 2.0
     assert distances.max() > 0.0  # it is sensed, not copied
