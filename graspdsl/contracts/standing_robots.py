@@ -16,7 +16,7 @@ from graspdsl.hands.mount_check import taken_names
 from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.shapes import Body
 from graspdsl.spec.sensing import Exact
-from graspdsl.worlds.kind import Anchor, WorldSettings
+from graspdsl.worlds.kind import WorldSettings, fixed_to
 from graspdsl.worlds.kinds import rigid_bodies
 from graspdsl.worlds.protocol import Command, InfeasibleStartError, Start
 from graspdsl.worlds.start_pose import pose
@@ -34,11 +34,10 @@ def taken_up(robot: Robot) -> Iterator[Breach]:
     if any(taken_names(robot)):
         return  # it is no robot, as the rule of names says
     refused = Counter[str]()
-    held = Anchor.MOUNT if robot.mount.holds else Anchor.WORLD
     widest = min(WIDEST, max(NARROWEST, float(FingertipMotion(robot).openings()[:, 0].max(initial=0.0))))
     for width in WIDTHS:
         body = Body("cylinder", Cylinder(diameter=width * widest, height=HEIGHT), 0.3)
-        world = rigid_bodies().make(WorldSettings(robot, body, 0.4, Exact(), held))
+        world = rigid_bodies().make(WorldSettings(robot, body, 0.4, Exact(), fixed_to(robot)))
         for yaw, roll, standoff in product(YAWS, ROLLS, STANDOFFS):
             try:
                 seen = world.reset(_start(robot, body, yaw, roll, float(standoff)), 0)

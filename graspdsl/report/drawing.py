@@ -61,9 +61,11 @@ class Drawing:
 
     def files(self, folder: str = "") -> dict[str, str | bytes]:
         """Its files by their names, for papers too; both are laid out alike."""
-        file = self.file
+        file, layout = self.file, self.figure.get_layout_engine()
         self.figure.set_layout_engine("none")
-        return {f"{folder}{self.name}.svg": file, f"{folder}{self.name}.png": png_of(self.figure)}
+        picture = png_of(self.figure)
+        self.figure.set_layout_engine(layout)
+        return {f"{folder}{self.name}.svg": file, f"{folder}{self.name}.png": picture}
 
 
 def panels_of(height: float, ratios: Sequence[float], *, shared: bool = True) -> tuple[Figure, list[Axes]]:
@@ -92,7 +94,8 @@ def over_orientations(axes: Axes, label: str) -> None:
 def svg_of(figure: Figure, name: str) -> str:
     """A figure as an SVG file, its text as text."""
     stream = io.StringIO()
-    with _written_out(figure), _quiet(), matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
+    as_text = matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name})
+    with _written_out(figure), _kept(figure), _quiet(), as_text:
         canvas: Any = FigureCanvasSVG(figure)  # whose own types are missing
         canvas.print_svg(stream, metadata={"Date": None, "Creator": None})
     without_comments = re.sub(r"<!--.*?-->\n?", "", stream.getvalue(), flags=re.DOTALL)
@@ -116,6 +119,17 @@ def _written_out(figure: Figure) -> Iterator[None]:
 
 
 @contextmanager
+def _kept(figure: Figure) -> Iterator[None]:
+    """A figure has its own canvas and resolution again when it has been written: a notebook may show it later."""
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        yield
+    finally:
+        figure.set_canvas(canvas)
+        figure.dpi = dpi
+
+
+@contextmanager
 def _quiet() -> Iterator[None]:
     """No word about letters that the font lacks: the reader's font may have them."""
     with warnings.catch_warnings():
@@ -131,9 +145,9 @@ def _in_tags(pattern: str, replacement: str | Callable[[re.Match[str]], str], te
 def png_of(figure: Figure) -> bytes:
     """A figure as a PNG picture, for papers."""
     stream = io.BytesIO()
-    figure.dpi = RESOLUTION
-    canvas: Any = FigureCanvasAgg(figure)
-    with _quiet():
+    with _kept(figure), _quiet():
+        figure.dpi = RESOLUTION
+        canvas: Any = FigureCanvasAgg(figure)
         canvas.print_png(stream, metadata={"Software": None})
     return stream.getvalue()
 

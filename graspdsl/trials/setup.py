@@ -6,7 +6,7 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program
 from graspdsl.spec.scene import InlineObject
 from graspdsl.trials.loop import TrialLoop
-from graspdsl.worlds.kind import Anchor, WorldSettings
+from graspdsl.worlds.kind import Anchor, WorldSettings, fixed_to
 from graspdsl.worlds.protocol import WitnessedWorld
 from graspdsl.worlds.real_hand import RealHand
 
@@ -16,8 +16,7 @@ def settings_of(program: Program) -> WorldSettings:
     scene = program.spec.scene
     fixed = isinstance(scene.object, InlineObject) and scene.object.fixed
     free = Anchor.AFLOAT if scene.afloat else Anchor.NONE
-    bound = Anchor.MOUNT if program.robot.mount.holds else Anchor.WORLD
-    anchor = Anchor.HAND if scene.held else bound if fixed else free
+    anchor = Anchor.HAND if scene.held else fixed_to(program.robot) if fixed else free
     sensing = program.world.sensor(scene.sensing)
     return WorldSettings(
         *(program.robot, program.body, scene.friction, sensing, anchor, program.probes, scene.gravity),

@@ -58,6 +58,11 @@ class Anchor(enum.Enum):
     MOUNT = "held by another hand of the mount, which keeps still, the table out of the way"
 
 
+def fixed_to(robot: Robot) -> Anchor:
+    """What an object that is fixed is fixed to: the hand of the mount that holds objects, or else the world."""
+    return Anchor.MOUNT if robot.mount.holds else Anchor.WORLD
+
+
 @dataclass(frozen=True, slots=True)
 class WorldSettings:
     """What of a program a world is made from.

@@ -48,7 +48,7 @@ def test_brackets_stand_where_they_mean_something() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None)
 @given(first=strategies.expressions, second=strategies.expressions, third=strategies.expressions)
 def test_what_is_composed_reads_back(first: Expression, second: Expression, third: Expression) -> None:
     one, two, three = map(g.Formula, (first, second, third))

@@ -21,7 +21,7 @@ from .program import ROOT, codes, graspdsl, interrupt, stopped
 
 SPECS = ROOT / "specs" / "experiments"
 SPEC = SPECS / "4_detergent_bottle.yaml"
-SETTINGS = ("scene.world=mujoco", "evaluate=[]", "scene.mount=gantry", "program.1.full_time=false")
+SETTINGS = ("evaluate=[]", "scene.world=mujoco", "scene.mount=gantry", "program.1.full_time=false")
 QUICK = (*(w for s in SETTINGS for w in ("--set", s)), "--trials", "2", "--seed", "9", "--workers", "1")
 
 
@@ -144,7 +144,7 @@ def test_specs_of_one_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("changes", "words", "code", "said"),
     [
-        ((), ("--seed", "8"), "run-differs", "begun with other settings: --set scene.world=mujoco"),
+        ((), ("--seed", "8"), "run-differs", "begun with other settings: --set 'evaluate=[]'"),
         ((("friction: 0.4", "friction: 0.5"),), (), "run-differs", "begun from another spec than 4.yaml"),
     ],
 )

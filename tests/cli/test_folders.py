@@ -127,7 +127,7 @@ def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["row", "trajectory", "trajectory cut", "all trajectories"])
-def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun) -> None:
+def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun, tmp_path: Path) -> None:
     file = copied / "trajectories" / "1.npz"
     whole = file.read_bytes()
     if loss == "row":
@@ -142,7 +142,8 @@ def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRu
     assert answer.exit_code == 0
     assert file.read_bytes() == whole
     assert sorted(path.name for path in file.parent.iterdir()) == [f"{number}.npz" for number in range(TRIALS)]
-    assert numbers(json.loads(answer.stdout)) == numbers(finished.document)
+    report = graspdsl("report", "run", "--json", cwd=tmp_path)
+    assert numbers(json.loads(answer.stdout)) == numbers(json.loads(report.stdout)) == numbers(finished.document)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.slow
 
 SPEC = ROOT / "specs" / "compare" / "moment_subject_to_force.yaml"
 FILES = ("run.json", "spec.yaml", "trials.sqlite", "trajectories/0.npz", "trajectories/1.npz")
-GARBLED, SHOWN = 160, 4
+GARBLED, SHOWN = 250, 6
 
 
 @pytest.fixture(scope="module")

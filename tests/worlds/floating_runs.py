@@ -116,10 +116,10 @@ def outcome(formula: str, count: int, surface: Surface, *, of: int = STARTS) -> 
     return ends(formula, count, surface, starts(surface, of))
 
 
-def kept(formula: str, count: int, surface: Surface, *, of: int = STARTS) -> Flags:
-    """Whether both residuals are low over the last of all steps, (of,), of controllers that never end."""
+def kept(formula: str, count: int, surface: Surface) -> Flags:
+    """Whether both residuals are low over the last of all steps, (STARTS,), of controllers that never end."""
     never = f"force_residual: {LOW['force_residual']}, moment_residual: 1e-300, hold: {(HOLD - 1) / RATE!r}"
-    made, points = program(formula, contacts(count), until=never, steps=STEPS), starts(surface, of)
+    made, points = program(formula, contacts(count), until=never, steps=STEPS), starts(surface)
     low = []
     for first in range(0, len(points), 100):
         world = FloatingWorld(made.robot.contacts, surface, 0.0)

@@ -61,7 +61,7 @@ def test_three_contacts_on_an_ellipsoid_find_a_grasp(formula: str, surface: Surf
 @EACH_ELLIPSOID
 @pytest.mark.parametrize("formula", ["π_cstar|Γ Γ", FORCE])
 def test_one_after_the_other_or_force_alone_do_not_keep_a_grasp_on_an_ellipsoid(formula: str, surface: Surface) -> None:
-    assert kept(formula, 3, surface, of=100).mean() <= 0.05
+    assert kept(formula, 3, surface).mean() <= 0.05
 
 
 @EACH_ELLIPSOID
