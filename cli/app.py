@@ -11,8 +11,8 @@ import typer
 
 from graspdsl.cli.inputs import answering, judged, named, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
-from graspdsl.cli.words import Commands
-from graspdsl.diagnostics import has_errors, on_one_line
+from graspdsl.cli.words import Beginnings, Commands
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, on_one_line
 
 app = typer.Typer(
     name="graspdsl",
@@ -95,6 +95,9 @@ def run(
     out: Out = None,
     resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
+    no_report: Annotated[
+        bool, typer.Option("--no-report", help="Make no page now: graspdsl report makes it at any time.")
+    ] = False,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
@@ -117,7 +120,7 @@ def run(
             from graspdsl.cli.running import begin, finish
 
             folder = begin("run", program, out)
-        code = finish(folder, workers, as_json)
+        code = finish(folder, workers, as_json, page=not no_report)
     raise typer.Exit(code)
 
 
@@ -179,6 +182,7 @@ class Form(enum.StrEnum):
     TEXT = "text"
     UNICODE = "unicode"
     ASCII = "ascii"
+    LATEX = "latex"
     TREE = "tree"
     PIPELINE = "pipeline"
     JSON = "json"
@@ -186,16 +190,20 @@ class Form(enum.StrEnum):
 
 @app.command()
 def explain(
-    what: Annotated[str, typer.Argument(metavar="SPEC|EXPRESSION", help="A spec file or a formula.")],
+    what: Annotated[
+        str, typer.Argument(metavar="SPEC|EXPRESSION|CODE", help="A spec file, a formula, or the code of a complaint.")
+    ],
     form: Annotated[Form, typer.Option("--as", help="What to show of it.")] = Form.TEXT,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
-    """Show what a formula means: equations, spaces, pipeline."""
-    from graspdsl.cli.explaining import explanations
+    """Show what a formula means: equations, spaces, pipeline; of a complaint, a wrong and a right example."""
+    from graspdsl.cli.explaining import explanations, show_complaint
 
     wants_json = as_json or form is Form.JSON
     with answering(wants_json):
+        if show_complaint(what, wants_json):
+            return
         found = explanations(what, allow_code=allow_code)
         if wants_json:
             result_json({"phases": [explanation.as_dict() for explanation in found]})
@@ -206,6 +214,7 @@ def explain(
             Form.TEXT: Explanation.text,
             Form.UNICODE: Explanation.unicode,
             Form.ASCII: Explanation.ascii,
+            Form.LATEX: Explanation.latex,
             Form.TREE: Explanation.tree,
             Form.PIPELINE: Explanation.pipeline,
         }[form]
@@ -350,8 +359,49 @@ def view(
             viewing.view_hand(hand or "", images)
 
 
-init = typer.Typer(cls=Commands, help="Write a file to begin with.", no_args_is_help=True, rich_markup_mode=None)
+init = typer.Typer(
+    cls=Beginnings,
+    help="Write a spec to begin with: graspdsl init [FILE] is graspdsl init spec [FILE]; or a hand or mount file.",
+    rich_markup_mode=None,
+)
 app.add_typer(init, name="init")
+
+
+@init.command(name=Beginnings.usual)
+def init_spec(
+    file: Annotated[
+        Path | None, typer.Argument(parser=named, metavar="[FILE]", help="The spec; by default grasp.yaml, here.")
+    ] = None,
+    thing: Annotated[
+        str | None,
+        typer.Option(
+            "--object", metavar="NAME|FILE", help="Of the catalogue, a file (STL, OBJ, URDF …) or {cylinder: {…}}."
+        ),
+    ] = None,
+    hand: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="A hand of the catalogue, or a hand file (YAML).")
+    ] = None,
+    world: Annotated[str | None, typer.Option(metavar="NAME", help="What the trials run in.")] = None,
+    sensing: Annotated[str | None, typer.Option(metavar="NAME", help="What a contact feels through.")] = None,
+    controller: Annotated[
+        str | None, typer.Option(metavar="NAME", help="What the contacts do, as π_sgx or pi_sgx.")
+    ] = None,
+    shipped_as: Annotated[
+        str | None,
+        typer.Option("--from", metavar="EQUATION|NAME", help="A spec that ships: 4.26, experiment-2, or by its name."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
+) -> None:
+    """Write a spec to begin with; at a terminal, what is not given is asked for."""
+    chosen = (thing, hand, world, sensing, controller)
+    if shipped_as is not None and any(choice is not None for choice in chosen):
+        raise typer.BadParameter(
+            "a spec that ships has its own object, hand, world and controller", param_hint="--from"
+        )
+    with answering():
+        from graspdsl.cli.first_spec import Wishes, init_spec
+
+        init_spec(file, Wishes(*chosen), shipped_as=shipped_as, force=force)
 
 
 @init.command(name="mount")
@@ -392,40 +442,24 @@ def init_hand(
     raise typer.Exit(code)
 
 
-class Kind(enum.StrEnum):
-    """What can be listed."""
-
-    POTENTIALS = "potentials"
-    SENSORS = "sensors"
-    EFFECTORS = "effectors"
-    CONTROLLERS = "controllers"
-    HANDS = "hands"
-    MOUNTS = "mounts"
-    SENSING = "sensing"
-    OBJECTS = "objects"
-    SHAPES = "shapes"
-    WORLDS = "worlds"
-    GRADES = "grades"
-    MONITORS = "monitors"
-
-
 @app.command(name="list")
 def list_(
-    kind: Annotated[Kind, typer.Argument(metavar="KIND", help="What to list.")],
+    kind: Annotated[str | None, typer.Argument(metavar="KIND", help="What to list; by default the kinds.")] = None,
     spec: Annotated[
         Path | None,
-        typer.Argument(parser=named, metavar="[SPEC]", help="A spec file (YAML) whose own controllers are listed too."),
+        typer.Argument(parser=named, metavar="SPEC", help="A spec file (YAML) whose own controllers are listed too."),
     ] = None,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
     """List what there is to write with."""
-    if spec is not None and kind is not Kind.CONTROLLERS:
-        raise typer.BadParameter("only controllers are a spec's own", param_hint="SPEC")
     with answering(as_json):
-        from graspdsl.cli.listing import show_list
+        from graspdsl.cli.listing import show_kinds, show_list
 
-        show_list(kind.value, as_json, spec, allow_code=allow_code)
+        if kind is None:
+            show_kinds(as_json)
+        else:
+            show_list(kind, as_json, spec, allow_code=allow_code)
 
 
 @app.command()
@@ -457,3 +491,58 @@ def schema() -> None:
 
         complain("graspdsl", "", adopted_all(KINDS))
         result_json(json_schema(known_names()))
+
+
+@app.command()
+def fmt(
+    specs: Annotated[list[Path], typer.Argument(parser=named, metavar="SPEC", help="Spec files (YAML).")],
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; name the files that are not formatted and exit with 1.")
+    ] = False,
+    diff: Annotated[bool, typer.Option("--diff", help="Write nothing; show what would change.")] = False,
+    in_ascii: Annotated[bool, typer.Option("--ascii", help="Formulas and names in ASCII, not in Unicode.")] = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Write specs in one style: keys in order, formulas in one spelling; comments and meaning stay."""
+    with answering():
+        from graspdsl.cli.formatting import format_specs
+
+        code = format_specs(specs, check=check, diff=diff, in_ascii=in_ascii, allow_code=allow_code)
+    raise typer.Exit(code)
+
+
+@app.command(name="import")
+def import_(
+    paper: Annotated[Path, typer.Argument(parser=named, metavar="TEX", help="A LaTeX file, or a piece of one.")],
+) -> None:
+    """Make a spec of the controllers and resources that a paper defines; it goes to stdout."""
+    with answering():
+        from graspdsl.cli.importing import import_tex
+
+        import_tex(paper)
+
+
+@app.command()
+def lsp(allow_code: AllowCode = False) -> None:
+    """Answer an editor, over the Language Server Protocol on stdin and stdout."""
+    with answering():
+        try:
+            from graspdsl.cli.lsp import serve
+        except ModuleNotFoundError as missing:
+            message, hint = f"the language server needs {missing.name}", "install it: pip install 'graspdsl[lsp]'"
+            raise DiagnosticError([Diagnostic("not-installed", message, hint=hint)]) from None
+        serve(allow_code=allow_code)
+
+
+@app.command()
+def docs(
+    path: Annotated[bool, typer.Option("--path", help="Only print the folder in which the pages lie.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(parser=named, metavar="DIR", help="The site's folder; by default a temporary one.")
+    ] = None,
+) -> None:
+    """Open the documentation: as a site, if mkdocs is installed, else as the pages that it is made of."""
+    with answering():
+        from graspdsl.cli.documentation import show_documentation
+
+        show_documentation(out, path=path)

@@ -21,13 +21,25 @@ def slug(name: str, otherwise: str) -> str:
 def refuse_place(example: str, place: Path, *beside: Path) -> None:
     """Raises DiagnosticError for a name by which no spec finds a hand or mount file, and where there is a file already,
     there or at a place beside it."""
-    hint = f"name another file: --out {example}"
-    if place.suffix not in SUFFIXES:
-        message = "the name of a hand or mount file ends in .yaml"
-        raise DiagnosticError([Diagnostic("unknown-suffix", message, hint=hint)], str(place))
+    _refuse_name(place, f"name another file: --out {example}")
     for each in (place, *beside):
         if os.path.lexists(each):
+            hint = f"name another file: --out {example}"
             raise DiagnosticError([Diagnostic("file-exists", "this file is there already", hint=hint)], str(each))
+
+
+def refuse_spec(example: str, place: Path, *, force: bool) -> None:
+    """Raises DiagnosticError for a name that is none of a spec, and where there is a file already, unless by force."""
+    _refuse_name(place, f"for example: graspdsl init {example}")
+    if os.path.lexists(place) and not force:
+        hint = f"name another file, graspdsl init {example}, or write over it: --force"
+        raise DiagnosticError([Diagnostic("file-exists", "this file is there already", hint=hint)], str(place))
+
+
+def _refuse_name(place: Path, hint: str) -> None:
+    if place.suffix not in SUFFIXES:
+        message = "the name of a spec, a hand file or a mount file ends in .yaml"
+        raise DiagnosticError([Diagnostic("unknown-suffix", message, hint=hint)], str(place))
 
 
 def found_model(model: Path, place: Path, root: str) -> tuple[str, Model]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, result_json
-from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, result_json, say
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed, nearest
+from graspdsl.places.folders import HAND_FILE, MOUNT_FILE, SUFFIXES
 
 if TYPE_CHECKING:
     from graspdsl.compiler.program import Program
-
-
-HAND_FILE = re.compile(r"(?:\s*(?:#[^\n]*)?\n)*hand\s*:")
-MOUNT_FILE = re.compile(HAND_FILE.pattern.replace("hand", "mount"))
 
 
 def named(text: str) -> Path:
@@ -28,12 +25,41 @@ def named(text: str) -> Path:
     return Path(text)
 
 
+def place_of_shipped(name: str) -> Path | None:
+    """Where the spec of a name is that ships with the package; None where there is none, or a file of this name, also
+    with a suffix that is left out."""
+    if Path(name).suffix in SUFFIXES or os.sep in name or any(map(_is_a_file, (name, *(name + s for s in SUFFIXES)))):
+        return None
+    from graspdsl.spec.shipped import shipped_specs
+
+    if (spec := shipped_specs().get(name)) is not None:
+        return spec.place
+    if near := nearest(name, shipped_specs()):
+        hint = f"did you mean {listed(near, 'or')}, which ships with the package?"
+        raise DiagnosticError([Diagnostic("file-not-found", "there is no such file", hint=hint)], name)
+    return None
+
+
+def _is_a_file(name: str) -> bool:
+    return os.path.lexists(name) and not os.path.isdir(name)
+
+
+def found(path: Path) -> Path:
+    """The file of this name; where there is none, the spec of this name that ships."""
+    shipped = place_of_shipped(str(path))
+    if shipped is None:
+        return path
+    say(f"{path} is a spec that ships; for a copy to change: graspdsl init --from {path}")
+    return shipped
+
+
 def judged(path: Path, *, allow_code: bool = False) -> tuple[str, tuple[Diagnostic, ...]]:
     """The text of a spec, of a hand file or of a mount file, and every complaint about it; the latter two say 'hand:'
     or 'mount:' first of all."""
     from graspdsl.api.programs import examined
     from graspdsl.compiler.program import missing_engine
 
+    path = found(path)
     source, examination = examined(path, allow_code=allow_code)
     is_mount = MOUNT_FILE.match(source) is not None
     if HAND_FILE.match(source) is None and not is_mount:
@@ -61,6 +87,7 @@ def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = Fal
     from graspdsl.api.programs import examined, program_in
     from graspdsl.compiler.program import missing_engine
 
+    path = found(path)
     source, examination = examined(path, overrides, allow_code=allow_code)
     program = program_in(examination, str(path), source)
     complain(str(path), source, examination.diagnostics)

@@ -1,212 +1,73 @@
-"""What there is to write with, of graspdsl and of other packages: potentials, hands, worlds and so on."""
+"""What there is to write with, of graspdsl and of other packages: the kinds of things, and the things of a kind."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import typer
 
 from graspdsl.cli.inputs import sound
 from graspdsl.cli.messages import complain, result, result_json
 from graspdsl.cli.tables import laid_out, text_of
+from graspdsl.diagnostics import listed
+from graspdsl.places.folders import HAND_FILE, MOUNT_FILE, begins_as
+from graspdsl.plugins.adoption import adopted_all
+from graspdsl.plugins.kinds import KINDS as OFFERED
+from graspdsl.reference.kinds import KINDS, OTHER_NAMES, Rows, controllers
 from graspdsl.report.tables import Column, Table
 
-if TYPE_CHECKING:
-    from graspdsl.compiler.program import Program
+TABLES = {"sensing": "touch"}  # where the table of a kind has another name
 
-Rows = list[dict[str, str]]
-BEGINNING = 4096  # characters of a file in which it says what it is
+
+def show_kinds(as_json: bool) -> None:
+    """Print the kinds of things that can be listed: how many there are of each, and a line on it."""
+    complain("graspdsl", "", adopted_all(OFFERED))
+    rows = [{"kind": kind, "count": str(len(_rows(kind))), "about": of.about} for kind, of in KINDS.items()]
+    _show("kinds", rows, as_json)
+    if not as_json:
+        result("List one of them: graspdsl list KIND")
 
 
 def show_list(kind: str, as_json: bool, spec: Path | None = None, *, allow_code: bool = False) -> None:
     """Print the entries of one kind; of controllers also those that a spec has of its own.
 
-    What other packages offer and cannot be used is told on stderr.
+    What other packages offer and cannot be used is told on stderr. What is too wide for a terminal is in the document.
     """
-    from graspdsl.plugins.adoption import adopted_all
+    if kind not in {*KINDS, *OTHER_NAMES}:
+        raise typer.BadParameter(f"there is no kind {kind!r}, but {listed(KINDS)}", param_hint="KIND")
+    name = OTHER_NAMES.get(kind, kind)
+    if spec is not None and name != "controllers":
+        raise typer.BadParameter("only controllers are a spec's own", param_hint="SPEC")
+    complain("graspdsl", "", adopted_all([each for each in [TABLES.get(name, name)] if each in OFFERED]))
+    if spec is None:
+        rows = _rows(name)
+    else:
+        program = sound(spec, allow_code=allow_code)
+        rows = controllers(program.definitions, program.source.name)
+    wide = () if as_json else KINDS[name].wide
+    _show(kind, [{column: text for column, text in row.items() if column not in wide} for row in rows], as_json)
 
-    complain("graspdsl", "", adopted_all([{"sensing": "touch"}.get(kind, kind)]))
-    entries = KINDS[kind]() if spec is None else _controllers(sound(spec, allow_code=allow_code))
+
+def _rows(kind: str) -> Rows:
+    return [*KINDS[kind].rows(), *_files_here(kind)]
+
+
+def _show(name: str, rows: Rows, as_json: bool) -> None:
     if as_json:
-        result_json({kind: entries})
+        result_json({name: rows})
         return
-    rows = tuple(tuple(entry.values()) for entry in entries)
-    result(text_of([laid_out(Table(kind, tuple(map(Column, entries[0])), rows))]))
+    result(text_of([laid_out(Table(name, tuple(map(Column, rows[0])), tuple(tuple(row.values()) for row in rows)))]))
 
 
-def _potentials() -> Rows:
-    from graspdsl.basis.potentials import POTENTIALS
-
-    return [
-        {
-            "name": potential.symbol,
-            "from": _from("potentials", potential.symbol),
-            "equation": potential.equation,
-            "sensors": ", ".join(potential.sensors),
-            "effectors": ", ".join(potential.effectors),
-            "about": potential.about,
-        }
-        for potential in POTENTIALS.values()
-    ]
-
-
-def _sensors() -> Rows:
-    from graspdsl.basis.sensors import SENSORS
-
-    return [
-        {
-            "name": sensor.symbol,
-            "from": _from("sensors", sensor.symbol),
-            "equation": sensor.equation,
-            "task space": sensor.space.about,
-            "about": sensor.about,
-        }
-        for sensor in SENSORS.values()
-    ]
-
-
-def _effectors() -> Rows:
-    from graspdsl.basis.effectors import EFFECTORS
-
-    return [
-        {
-            "name": effector.symbol,
-            "from": _from("effectors", effector.symbol),
-            "equation": effector.equation,
-            "moves": effector.gradient_space.value,
-            "about": effector.about,
-        }
-        for effector in EFFECTORS.values()
-    ]
-
-
-def _controllers(program: Program | None = None) -> Rows:
-    from graspdsl.basis.prelude import prelude
-    from graspdsl.notation.printer import to_unicode
-    from graspdsl.plugins.kinds import OF_OTHERS
-
-    own = {} if program is None else program.definitions
-    known = {**prelude(), **OF_OTHERS, **own}
-    return [
-        {
-            "controller": to_unicode(definition.head),
-            "from": definition.by or ("graspdsl" if program is None or definition.in_prelude else program.source.name),
-            "equation": definition.equation,
-            "stands for": to_unicode(definition.body) if definition.body else "",
-            "use it": definition.about,
-        }
-        for definition in known.values()
-    ]
-
-
-def _from(kind: str, name: str) -> str:
-    from graspdsl.plugins.kinds import brought_by
-
-    return brought_by(kind, name)
-
-
-def _named(kind: str, entries: Iterable[tuple[str, str]]) -> Rows:
-    return [{"name": name, "from": _from(kind, name), "about": about} for name, about in entries]
-
-
-def _hands() -> Rows:
-    from graspdsl.hands.descriptions import hands
-
-    return [*_named("hands", ((name, hand.about) for name, hand in hands().items())), *_files_of("hand")]
-
-
-def _files_of(kind: str) -> Rows:
+def _files_here(kind: str) -> Rows:
     """Hand or mount files in this folder and in the folder hands or mounts below it."""
-    from graspdsl.cli.inputs import HAND_FILE, MOUNT_FILE
-    from graspdsl.places.folders import SUFFIXES
-
+    begins = {"hands": HAND_FILE, "mounts": MOUNT_FILE}.get(kind)
     found: Rows = []
-    for path in sorted([*Path().glob("*"), *Path(f"{kind}s").glob("*")]):
-        if path.suffix in SUFFIXES and path.is_file():
-            with path.open(encoding="utf-8", errors="replace") as file:
-                if (HAND_FILE if kind == "hand" else MOUNT_FILE).match(file.read(BEGINNING)):
-                    found.append({"name": str(path), "from": "this folder", "about": f"a {kind} file found here"})
+    if begins is None:
+        return found
+    columns = dict.fromkeys(KINDS[kind].rows()[0], "")
+    for path in sorted([*Path().glob("*"), *Path(kind).glob("*")]):
+        if begins_as(begins, path):
+            about = f"a {kind.removesuffix('s')} file found here"
+            found.append({**columns, "name": str(path), "from": "this folder", "about": about})
     return found
-
-
-def _objects() -> Rows:
-    from graspdsl.objects.shapes import catalogue
-
-    return [
-        {
-            "name": name,
-            "from": _from("objects", name),
-            "size (cm)": " × ".join(f"{100 * length:.3g}" for length in body.shape.extent),
-            "mass (kg)": f"{body.mass:g}",
-            "about": body.about,
-        }
-        for name, body in catalogue().items()
-    ]
-
-
-def _worlds() -> Rows:
-    from graspdsl.worlds.kinds import WORLDS
-
-    return _named("worlds", ((name, world.about) for name, world in WORLDS.items()))
-
-
-def _mounts() -> Rows:
-    from graspdsl.hands.descriptions import mounts
-
-    return [*_named("mounts", ((name, mount.about) for name, mount in mounts().items())), *_files_of("mount")]
-
-
-def _sensing() -> Rows:
-    from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
-
-    return _named("touch", ((name, sensor.about) for name, sensor in TACTILE_SENSORS.items()))
-
-
-def _grades() -> Rows:
-    from graspdsl.quality.grades import GRADES
-
-    return _named("grades", ((name, grade.about) for name, grade in GRADES.items()))
-
-
-def _shapes() -> Rows:
-    from graspdsl.objects.shapes import SHAPES
-
-    return [
-        {
-            "name": name,
-            "from": _from("shapes", name),
-            "keys": ", ".join(field.alias or key for key, field in shape.model_fields.items()),
-            "about": shape.about,
-        }
-        for name, shape in SHAPES.items()
-    ]
-
-
-def _monitors() -> Rows:
-    from graspdsl.spec.monitors import MONITORS
-
-    return [
-        {
-            "name": name,
-            "from": _from("monitors", name),
-            "outcome": monitor.outcome.value,
-            "about": monitor.description,
-        }
-        for name, monitor in MONITORS.items()
-    ]
-
-
-KINDS: Mapping[str, Callable[[], Rows]] = {
-    "potentials": _potentials,
-    "sensors": _sensors,
-    "effectors": _effectors,
-    "controllers": _controllers,
-    "hands": _hands,
-    "mounts": _mounts,
-    "sensing": _sensing,
-    "objects": _objects,
-    "shapes": _shapes,
-    "worlds": _worlds,
-    "grades": _grades,
-    "monitors": _monitors,
-}

@@ -59,13 +59,13 @@ def go_on(path: Path, spec: Path | None, *, allow_code: bool = False) -> Run:
     return run
 
 
-def finish(run: Run, workers: int | None, as_json: bool) -> int:
-    """Run what is not finished, show progress, then the summary. Returns the exit code."""
+def finish(run: Run, workers: int | None, as_json: bool, *, page: bool) -> int:
+    """Run what is not finished, show progress, then the summary; make its page if asked. Returns the exit code."""
     words = resuming("run", run.folder)
     with keeping(run.path, *words):
         code = carried_on(run, workers, *words)
         if code == 0:
-            show(run, as_json)
+            show(run, as_json, page=page)
     return code
 
 
@@ -101,14 +101,16 @@ def carried_on(run: Run, workers: int | None, *command: str) -> int:
     return 0
 
 
-def show(run: Run, as_json: bool) -> None:
-    """The summary of a run, on stdout, and its page in its folder; where there can be none, a warning."""
+def show(run: Run, as_json: bool, *, page: bool = True) -> None:
+    """The summary of a run, on stdout, and if asked its page in its folder; where there can be none, a warning."""
     if as_json:
         result_json(plain(run.summary))
     else:
         result(summary_text(run.summary))
     if differs := departure(run.program):
         say(f"the chapter's claims about {run.name} are not asked of this run: {differs}")
+    if not page:
+        return
     try:
         say(f"report: {on_one_line(str(run.report()))}")
     except DiagnosticError as error:

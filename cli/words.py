@@ -23,6 +23,17 @@ class Commands(TyperGroup):
         return super().make_context(info_name, args, parent, **extra)
 
 
+class Beginnings(Commands):
+    """Commands of which the ``usual`` one need not be named."""
+
+    usual = "spec"
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """As any group's; the usual command's name comes before what is no command and no call for help."""
+        known = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
+        return super().parse_args(ctx, args if known else [self.usual, *args])
+
+
 def _is_text(word: str) -> bool:
     try:
         word.encode("utf-8")

@@ -68,6 +68,7 @@ of ε_w.
 TAIL = """
 ## To repeat a row
 
+<!-- shown: a minute a row -->
 ```sh
 graspdsl run specs/compare/cstar.yaml --trials {trials} --seed {seed} --out cstar \\
     --set 'scene.object.ellipsoid.size=[0.10, 0.12, 0.15]' --set 'resources.Γ_τ="{{γ2, γ3}}"' \\

@@ -11,7 +11,7 @@ import enum
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 MOST_NAMED = 40  # names in a hint
 # What is not shown but acted upon, or stands for a byte that is no text: control and format characters, line ends.
@@ -73,11 +73,20 @@ class Severity(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Fix:
+    """An edit that mends a fault: ``text`` in place of what stands in ``span``, which is empty where text is added."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One complaint about what a user wrote.
 
     ``code`` is a short stable word in kebab case (``unknown-potential``), ``span`` the place in the file,
-    or None when the file as a whole is meant.
+    or None when the file as a whole is meant. ``fixes``: where the hint says what to write, the edits that do so, any
+    of which is enough.
     """
 
     code: str
@@ -85,6 +94,7 @@ class Diagnostic:
     span: Span | None = None
     hint: str | None = None
     severity: Severity = Severity.ERROR
+    fixes: tuple[Fix, ...] = field(default=(), compare=False, repr=False)
 
     def as_dict(self) -> dict[str, str | int | None]:
         """The fields of ``validate --json``; a complaint about a whole file points at its first character."""
@@ -163,6 +173,11 @@ def known_names_hint(name: str, known: Iterable[str], what: str) -> str:
         return f"there are no known {what} here"
     more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
     return f"known {what}: {', '.join(known[:MOST_NAMED])}{more}"
+
+
+def likely(name: str, known: Iterable[str], span: Span | None) -> tuple[Fix, ...]:
+    """The fixes of an unknown name in a span: the nearest known ones, as :func:`known_names_hint` has them."""
+    return () if span is None else tuple(Fix(span, meant) for meant in nearest(name, sorted(known)))
 
 
 def steers(character: str) -> bool:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import yaml
 
 SPECS = Path(__file__).parent.parent / "specs"
+SPEC = re.compile(r"^graspdsl:", re.MULTILINE)
 HANDS = sorted((SPECS / "hands").glob("*_hand.yaml"))
 
 
@@ -23,6 +25,6 @@ ABSENT = {_spec(hand) for hand in HANDS if not _model(hand).is_file()}
 SHIPPED = sorted(
     path
     for path in SPECS.rglob("*.yaml")
-    if "models" not in path.parts and path not in ABSENT and path.read_text("utf-8").startswith("graspdsl:")
+    if "models" not in path.parts and path not in ABSENT and SPEC.search(path.read_text("utf-8"))
 )
 NAMES = [path.relative_to(SPECS).as_posix() for path in SHIPPED]

@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graspdsl.diagnostics import reading
-from graspdsl.notation.parser import parse_expression
-from graspdsl.notation.printer import to_ascii, to_unicode
+from graspdsl.notation.parser import parse_definition
+from graspdsl.notation.printer import to_ascii, to_latex, to_unicode
 from graspdsl.notation.tree import Expression, SubjectTo, Then
 
 
 def parse(text: str) -> Formula:
-    """The formula of a text such as ``π_s|Γ Γ (π_gx|Γ Γ)``, in Unicode or in ASCII.
+    """The formula of a text such as ``π_s|Γ Γ (π_gx|Γ Γ)``, in Unicode, in ASCII or in LaTeX.
 
-    Only its grammar is looked at: what its names stand for, a spec or :func:`graspdsl.compile` says. Raises
-    DiagnosticError with the place of every mistake.
+    Of a definition, ``π_g|Γ Γ ≡ …``, it is what stands on the right. Only its grammar is looked at: what its names
+    stand for, a spec or :func:`graspdsl.compile` says. Raises DiagnosticError with the place of every mistake.
     """
     with reading("formula", text):
-        return Formula(parse_expression(text))
+        return Formula(parse_definition(text)[1])
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -48,6 +48,11 @@ class Formula:
     def ascii(self) -> str:
         """The formula in ASCII, ``pi_s|G G (pi_gx|G G)``."""
         return to_ascii(self.tree)
+
+    @property
+    def latex(self) -> str:
+        """The formula in LaTeX's mathematics, ``\\pi_{s}|_{\\Gamma}^{\\Gamma} (\\pi_{gx}|_{\\Gamma}^{\\Gamma})``."""
+        return to_latex(self.tree)
 
     def __str__(self) -> str:
         return to_unicode(self.tree)

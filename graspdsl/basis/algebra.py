@@ -11,7 +11,15 @@ def cross(a: Array, b: Array) -> Array:
     """a × b over the last axis; leading axes broadcast."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+    first = y * w - z * v
+    product = np.empty((*first.shape, 3))
+    product[..., 0], product[..., 1], product[..., 2] = first, z * u - x * w, x * v - y * u
+    return product
+
+
+def length(vectors: Array) -> Array:
+    """The Euclidean norm over the last axis, (...): of each vector the same, whatever others stand beside it."""
+    return np.asarray(np.sqrt(np.vecdot(vectors, vectors)))
 
 
 def skew(a: Array) -> Array:
@@ -25,8 +33,7 @@ def skew(a: Array) -> Array:
 
 def along(vectors: Array, normals: Array) -> Array:
     """The parts (..., k, 3) of vectors along unit normals: (v·n) n."""
-    share: Array = np.einsum("...i,...i->...", vectors, normals)[..., None] * normals
-    return share
+    return np.asarray(np.vecdot(vectors, normals)[..., None] * normals)
 
 
 def tangent_frames(normals: Array) -> Array:
@@ -38,9 +45,10 @@ def tangent_frames(normals: Array) -> Array:
     sign = np.where(z >= 0.0, 1.0, -1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    first = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=-1)
-    second = np.stack([b, sign + y * y * a, -y], axis=-1)
-    return np.stack([first, second], axis=-1)
+    frames = np.empty((*normals.shape, 2))
+    frames[..., 0, 0], frames[..., 1, 0], frames[..., 2, 0] = 1.0 + sign * x * x * a, sign * b, -sign * x
+    frames[..., 0, 1], frames[..., 1, 1], frames[..., 2, 1] = b, sign + y * y * a, -y
+    return frames
 
 
 def spherical_frames(normals: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import in_columns, in_rows, skew
+from graspdsl.basis.algebra import in_columns, skew
 from graspdsl.basis.entry import Entry
 from graspdsl.basis.spaces import GradientSpace
 
@@ -265,7 +265,7 @@ class PositionJacobian(Effector):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R J stacked, shape (..., 3m, n)."""
         (jacobian,) = inputs
-        return in_rows(np.einsum("rk,...kij->...rij", mixing, jacobian))
+        return _mixed(mixing, jacobian)
 
 
 class OrientationJacobian(Effector):
@@ -280,7 +280,7 @@ class OrientationJacobian(Effector):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R J_ω stacked, shape (..., 3m, n)."""
         (jacobian,) = inputs
-        return in_rows(np.einsum("rk,...kij->...rij", mixing, jacobian))
+        return _mixed(mixing, jacobian)
 
 
 class ForceJacobian(Effector):
@@ -297,7 +297,7 @@ class ForceJacobian(Effector):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R (n nᵀ J) stacked, shape (..., 3m, n)."""
         jacobian, normals = inputs
-        return in_rows(np.einsum("rk,...kij->...rij", mixing, _pressing(jacobian, normals)))
+        return _mixed(mixing, _pressing(jacobian, normals))
 
 
 class MomentJacobian(Effector):
@@ -315,7 +315,7 @@ class MomentJacobian(Effector):
         """R ([x − c]× n nᵀ J) stacked, shape (..., 3m, n)."""
         jacobian, normals, points, origin = inputs
         levers = skew(points - origin[..., None, :])
-        return in_rows(np.einsum("rk,...kij->...rij", mixing, levers @ _pressing(jacobian, normals)))
+        return _mixed(mixing, levers @ _pressing(jacobian, normals))
 
 
 class PostureSelection(Effector):
@@ -333,9 +333,16 @@ class PostureSelection(Effector):
         return np.asarray(mixing * weights)
 
 
+def _mixed(mixing: Array, jacobians: Array) -> Array:
+    """The Jacobians (..., 3m, n) of the resources in a mixing matrix (m, k), from those of the contacts."""
+    *batch, _, rows, joints = jacobians.shape
+    each = mixing @ jacobians.reshape(*batch, mixing.shape[-1], rows * joints)
+    return np.asarray(each.reshape(*batch, len(mixing) * rows, joints))
+
+
 def _pressing(jacobian: Array, normals: Array) -> Array:
     """n nᵀ J for each contact, (..., k, 3, n)."""
-    pressed = normals[..., :, None] * np.einsum("...ki,...kij->...kj", normals, jacobian)[..., None, :]
+    pressed = normals[..., :, None] * np.vecmat(normals, jacobian)[..., None, :]
     return np.asarray(pressed)
 
 

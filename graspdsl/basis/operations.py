@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
-from graspdsl.basis.algebra import null_space_projector
+from graspdsl.basis.algebra import length, null_space_projector
 
 
 def transposed_times(jacobian: Array, vector: Array) -> Array:
     """Jᵀ v for J (..., d, D) and v (..., d)."""
-    return np.asarray(np.einsum("...ij,...i->...j", jacobian, vector))
+    return np.asarray(np.vecmat(vector, jacobian))
 
 
 def times(matrix: Array, vector: Array) -> Array:
     """A v for A (..., d, D) and v (..., D)."""
-    return np.asarray(np.einsum("...ij,...j->...i", matrix, vector))
+    return np.asarray(np.matvec(matrix, vector))
 
 
 def flat(rows: Array) -> Array:
@@ -46,7 +46,7 @@ def with_last_row(rows: Array, last: Array) -> Array:
 
 def rank(projector: Array) -> Array:
     """The dimension (...) of what an orthogonal projector (..., D, D) leaves free."""
-    return np.asarray(np.round(np.trace(projector, axis1=-2, axis2=-1)))
+    return np.asarray(projector.trace(axis1=-2, axis2=-1).round())
 
 
 def stacked(*matrices: Array) -> Array:
@@ -83,19 +83,17 @@ def gated(displacement: Array, gate: Array) -> Array:
 
 def longest(rows: Array) -> Array:
     """The greatest length (...) of the rows of (..., 3m)."""
-    return np.asarray(np.linalg.norm(by_contact(rows), axis=-1).max(axis=-1))
+    return np.asarray(length(by_contact(rows)).max(axis=-1))
 
 
 def limited(limit: Array | float, vector: Array) -> Array:
     """A vector (..., D), shortened to ``limit`` where it is longer."""
-    length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    return np.asarray(vector / np.maximum(1.0, length / limit))
+    return np.asarray(vector / np.maximum(1.0, length(vector)[..., None] / limit))
 
 
 def excess(cap: float, displacement: Array) -> Array:
     """How many times the farthest of contact displacements (..., 3k) is as long as ``cap`` [m], at least one: (...)."""
-    longest = np.sqrt(np.einsum("...ki,...ki->...k", by_contact(displacement), by_contact(displacement))).max(axis=-1)
-    return np.asarray(np.maximum(1.0, longest / cap))
+    return np.asarray(np.maximum(1.0, longest(displacement) / cap))
 
 
 def shortened(displacement: Array, excess: Array) -> Array:
@@ -142,9 +140,17 @@ def gradient_projector(*gradients: Array) -> Array:
 
     A gradient that has all but vanished has no direction: it is left out of the projector.
     """
-    rows = np.stack(gradients, axis=-2)
-    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
-    return null_space_projector(np.where(lengths > VANISHED, rows / np.maximum(lengths, VANISHED), 0.0))
+    directions = [_direction(gradient) for gradient in gradients]
+    if len(directions) > 1:
+        return null_space_projector(np.stack(directions, axis=-2))
+    (direction,) = directions
+    return np.asarray(np.eye(direction.shape[-1]) - direction[..., :, None] * direction[..., None, :])
+
+
+def _direction(gradient: Array) -> Array:
+    """The unit vector (..., D) of a gradient; zero of one that has all but vanished."""
+    long = length(gradient)[..., None]
+    return np.where(long > VANISHED, gradient / np.maximum(long, VANISHED), 0.0)
 
 
 VANISHED = 1e-9  # of a displacement [m, or rad over a weight] a tick
@@ -156,9 +162,7 @@ def pressing(admittance: float, fastest: float, error: Array, touching: Array) -
     admittance [m/N a tick] times the error, no more than ``fastest``; nothing for a contact that does not touch.
     """
     step = admittance * error
-    length = np.linalg.norm(step, axis=-1, keepdims=True)
-    limited = step / np.maximum(1.0, length / fastest)
-    return np.asarray(np.where(touching[..., None] >= 1.0, limited, 0.0))
+    return np.where(touching[..., None] >= 1.0, limited(fastest, step), 0.0)
 
 
 def approach(fingers: Array, distance: float, jacobian: Array, normals: Array, touching: Flags) -> Array:
@@ -167,10 +171,9 @@ def approach(fingers: Array, distance: float, jacobian: Array, normals: Array, t
     Each uses the joints of its own finger alone, fingers (k, n), along its last or predicted normal, so that the rest
     of the hand keeps still. A finger that can hardly move that way is not driven fast.
     """
-    into = np.einsum("...ki,...kij->...kj", normals, jacobian) * fingers
-    reach = np.einsum("...kj,...kj->...k", into, into)
-    rate = np.where(touching, 0.0, distance / np.maximum(reach, SHORT_REACH))
-    return np.asarray(np.einsum("...k,...kj->...j", rate, into))
+    into = np.vecmat(normals, jacobian) * fingers
+    rate = np.where(touching, 0.0, distance / np.maximum(np.vecdot(into, into), SHORT_REACH))
+    return np.asarray(np.vecmat(rate, into))
 
 
 SHORT_REACH = 0.05  # squared motion along the normal for a unit of the scaled finger joints
@@ -178,9 +181,9 @@ SHORT_REACH = 0.05  # squared motion along the normal for a unit of the scaled f
 
 def all_touch(contacts: Array, touching: Flags) -> Array:
     """1.0 where every contact of a set touches, else 0.0, (...); contacts: (k,), nonzero for members of the set."""
-    return np.asarray(np.all(touching | (contacts == 0.0), axis=-1), dtype=float)
+    return np.asarray((touching | (contacts == 0.0)).all(axis=-1), dtype=float)
 
 
 def row_touches(mixing: Array, touching: Flags) -> Array:
     """(..., m): 1.0 for each row of the mixing matrix (m, k) whose contacts all touch."""
-    return np.asarray(np.all(touching[..., None, :] | (mixing == 0.0), axis=-1), dtype=float)
+    return np.asarray((touching[..., None, :] | (mixing == 0.0)).all(axis=-1), dtype=float)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import skew
+from graspdsl.basis.algebra import length, skew
 
 SMALL = 1e-8
 
 
 def exponential(vectors: Array) -> Array:
     """exp([v]×) by Rodrigues' formula, (..., 3, 3)."""
-    angles = np.linalg.norm(vectors, axis=-1)[..., None, None]
+    angles = length(vectors)[..., None, None]
     small = angles < SMALL
     safe = np.where(small, 1.0, angles)
     first = np.where(small, 1.0, np.sin(safe) / safe)
@@ -25,27 +25,23 @@ def exponential(vectors: Array) -> Array:
 def logarithm(rotations: Array) -> Array:
     """The exponential coordinates (..., 3) of rotations (..., 3, 3), angle 0…π, through the unit quaternion."""
     m = rotations
-    diagonal = np.stack([m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]], axis=-1)
-    trace = diagonal.sum(axis=-1)
-    # Four forms of one quaternion, each good where its leading part is large.
-    squares = np.concatenate([(1.0 + trace)[..., None], 1.0 - trace[..., None] + 2.0 * diagonal], axis=-1)
-    leading = squares.argmax(axis=-1)
+    a, b, c = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
     x, y, z = m[..., 2, 1], m[..., 0, 2], m[..., 1, 0]
     u, v, w = m[..., 1, 2], m[..., 2, 0], m[..., 0, 1]
-    forms = np.stack(
-        [
-            np.stack([squares[..., 0], x - u, y - v, z - w], axis=-1),
-            np.stack([x - u, squares[..., 1], z + w, y + v], axis=-1),
-            np.stack([y - v, z + w, squares[..., 2], x + u], axis=-1),
-            np.stack([z - w, y + v, x + u, squares[..., 3]], axis=-1),
-        ],
-        axis=-2,
-    )
+    # Four forms of one quaternion, each good where its leading part, on the diagonal, is large.
+    forms = np.empty((*m.shape[:-2], 4, 4))
+    forms[..., 0, 0], forms[..., 1, 1] = 1.0 + a + b + c, 1.0 + a - b - c
+    forms[..., 2, 2], forms[..., 3, 3] = 1.0 - a + b - c, 1.0 - a - b + c
+    forms[..., 0, 1], forms[..., 0, 2], forms[..., 0, 3] = x - u, y - v, z - w
+    forms[..., 1, 2], forms[..., 1, 3], forms[..., 2, 3] = z + w, y + v, x + u
+    for row, column in ((1, 0), (2, 0), (3, 0), (2, 1), (3, 1), (3, 2)):
+        forms[..., row, column] = forms[..., column, row]
+    leading = forms.diagonal(axis1=-2, axis2=-1).argmax(axis=-1)
     quaternion = np.take_along_axis(forms, leading[..., None, None], axis=-2)[..., 0, :]
-    quaternion = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    quaternion = quaternion / length(quaternion)[..., None]
     quaternion = np.where(quaternion[..., :1] < 0.0, -quaternion, quaternion)
     part = quaternion[..., 1:]
-    sine = np.linalg.norm(part, axis=-1, keepdims=True)
+    sine = length(part)[..., None]
     angle = 2.0 * np.arctan2(sine, quaternion[..., :1])
     scale = np.where(sine < SMALL, 2.0, angle / np.where(sine < SMALL, 1.0, sine))
     result: Array = scale * part

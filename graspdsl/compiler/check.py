@@ -19,13 +19,15 @@ from graspdsl.compiler.definitions import TOO_LARGE, Bindings, abbreviations_in,
 from graspdsl.compiler.graph import Composition, ControllerGraph, ControllerNode
 from graspdsl.compiler.references import ReferenceCheck
 from graspdsl.compiler.resources import ResourceTable
-from graspdsl.diagnostics import DiagnosticError, known_names_hint, listed
+from graspdsl.diagnostics import DiagnosticError, Fix, known_names_hint, likely, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
 from graspdsl.plugins.kinds import with_offered
 
 T = TypeVar("T")
 OF_A_HELD_OBJECT = frozenset({"centre_of_mass", "weight"})
+# Of the chapter's own.
+_SLIPS = {"π_gs": "did you mean π_gx? Sec. 4.5 prints π_gs for it once"}
 MOST_DEPTH = 100
 MOST_PARTS = 2000
 
@@ -187,8 +189,11 @@ class Checker:
         name = tree.name.text
         definition = self.definitions.get(name)
         if definition is None:
-            hint = known_names_hint(name, with_offered("controllers", self.definitions), "controllers")
-            self.complaints.error("unknown-controller", f"there is no controller {name}", tree.name.span, hint)
+            known = with_offered("controllers", self.definitions)
+            slip = _SLIPS.get(name)
+            hint = slip or known_names_hint(name, known, "controllers")
+            fixes = () if slip else likely(name, known, tree.name.span)
+            self.complaints.error("unknown-controller", f"there is no controller {name}", tree.name.span, hint, fixes)
             return None
         if name in self._open:
             cycle = " → ".join([*self._open[self._open.index(name) :], name])
@@ -253,6 +258,7 @@ class Checker:
             f"found {to_unicode(first)} and {to_unicode(second)}",
             second.span,
             f"write {name}|{to_unicode(first)} {to_unicode(first)}",
+            [Fix(second.span, to_unicode(first))],
         )
         return False
 
@@ -279,6 +285,7 @@ class Checker:
                 f"{moved.label} and {sensed.label}",
                 tree.sensor.resources.span,
                 f"write {sensor.symbol}({moved.label})",
+                [Fix(tree.sensor.span, f"{sensor.symbol}({moved.label})")],
             )
             return None
         rotating = effector.gradient_space is GradientSpace.ROTATION
@@ -304,6 +311,7 @@ class Checker:
                 f"{potential.symbol} works on {potential.space.about}; {sensor.symbol} senses {sensor.space.about}",
                 tree.sensor.span,
                 f"use {listed(potential.sensors, 'or')}",
+                [Fix(tree.sensor.name.span, symbol) for symbol in potential.sensors],
             )
             fits = False
         if effector is not None and effector.symbol not in potential.effectors:
@@ -312,6 +320,7 @@ class Checker:
                 f"{effector.symbol} is no effector transform of {potential.symbol}: it moves {effector.about}",
                 tree.effector.span,
                 f"use {listed(potential.effectors, 'or')}",
+                [Fix(tree.effector.name.span, symbol) for symbol in potential.effectors],
             )
             fits = False
         return fits
@@ -360,7 +369,7 @@ class Checker:
         found = table.get(name.text)
         if found is None:
             symbol = what.split()[0]
-            hint = known_names_hint(name.text, with_offered(f"{symbol}s", table), f"{what}s")
-            code = f"unknown-{symbol}"
-            self.complaints.error(code, f"there is no {what} {name.text}", name.span, hint)
+            known = with_offered(f"{symbol}s", table)
+            hint, fixes = known_names_hint(name.text, known, f"{what}s"), likely(name.text, known, name.span)
+            self.complaints.error(f"unknown-{symbol}", f"there is no {what} {name.text}", name.span, hint, fixes)
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, has_errors
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, Fix, Severity, SourceText, Span, has_errors
 from graspdsl.notation.names import canonical
 from graspdsl.places.document import Document, Path
 
@@ -28,13 +28,17 @@ class Complaints:
         before, self._path = self._path, path
         return before
 
-    def error(self, code: str, message: str, span: Span | None, hint: str | None = None) -> None:
+    def error(
+        self, code: str, message: str, span: Span | None, hint: str | None = None, fixes: Iterable[Fix] = ()
+    ) -> None:
         """Add an error."""
-        self.add(Diagnostic(code, message, span, hint))
+        self.add(Diagnostic(code, message, span, hint, fixes=tuple(fixes)))
 
-    def warning(self, code: str, message: str, span: Span | None, hint: str | None = None) -> None:
+    def warning(
+        self, code: str, message: str, span: Span | None, hint: str | None = None, fixes: Iterable[Fix] = ()
+    ) -> None:
         """Add a warning."""
-        self.add(Diagnostic(code, message, span, hint, Severity.WARNING))
+        self.add(Diagnostic(code, message, span, hint, Severity.WARNING, tuple(fixes)))
 
     def add(self, *diagnostics: Diagnostic) -> None:
         """Add diagnostics about the present path."""
@@ -62,7 +66,7 @@ class Complaints:
             return
         path: Path = ("parameters", self._parameters[name])
         before = self.about(path)
-        self.add(replace(complaint, span=self._document.span(path)))
+        self.add(replace(complaint, span=self._document.span(path), fixes=()))
         self.about(before)
 
     def take(self, error: DiagnosticError) -> None:

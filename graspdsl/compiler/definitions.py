@@ -11,7 +11,8 @@ from graspdsl.basis.prelude import Definition, prelude
 from graspdsl.compiler.complaints import Complaints, span_of
 from graspdsl.compiler.declarations import Declaration
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Span
-from graspdsl.notation.parser import parse_expression, parse_head
+from graspdsl.notation.parser import parse_definition, parse_head
+from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import (
     Abbreviation,
     Controller,
@@ -46,11 +47,21 @@ def definitions_with(
         except DiagnosticError as error:
             complaints.take(error)
         try:
-            body = parse_expression(entry.value)
+            defined, body = parse_definition(entry.value)
         except DiagnosticError as error:
+            defined = None
             complaints.take(error)
         if head is None:
             continue
+        if defined is not None and head == Head(defined.name):
+            head = defined
+        elif defined not in (None, head):
+            complaints.error(
+                "other-head",
+                f"the definition is of {to_unicode(defined)}, its key is {to_unicode(head)}",
+                defined.span,
+                f"let the key be {defined.name.text}, or leave out the left side here",
+            )
         name = head.name.text
         if name in known:
             where = f"in the prelude ({cited(known[name].equation)})" if known[name].in_prelude else "above"

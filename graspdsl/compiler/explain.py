@@ -26,7 +26,7 @@ from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
 from graspdsl.compiler.program import Program
 from graspdsl.compiler.settings import Target
-from graspdsl.notation.printer import to_ascii, to_unicode
+from graspdsl.notation.printer import to_ascii, to_latex, to_unicode
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,10 @@ class Explanation:
     def ascii(self) -> str:
         """The formula in ASCII."""
         return to_ascii(self.phase.formula)
+
+    def latex(self) -> str:
+        """The formula in LaTeX's mathematics."""
+        return to_latex(self.phase.formula)
 
     def tree(self) -> str:
         """The controllers by priority, with their equations, spaces and shapes."""
@@ -79,6 +83,7 @@ class Explanation:
         return {
             "unicode": self.unicode(),
             "ascii": self.ascii(),
+            "latex": self.latex(),
             "stands_for": [written(graph) for graph in self.phase.stages],
             "runs_as": [written(graph) for graph in self.executed],
             "rate": self.target.rate,

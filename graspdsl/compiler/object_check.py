@@ -48,7 +48,7 @@ def found_object(
     span = document.span(path) if from_file else None
 
     def warn(diagnostic: Diagnostic) -> None:
-        complaints.add(replace(diagnostic, span=span))
+        complaints.add(replace(diagnostic, span=span, fixes=()))
 
     try:
         if not from_file and not _possible(spec, thing, document, complaints):
@@ -56,7 +56,7 @@ def found_object(
         files = SpecFolder(folder)
         return body_in(files, thing, warn), tuple(files.files)
     except DiagnosticError as error:
-        complaints.add(*(replace(diagnostic, span=span) for diagnostic in error.diagnostics))
+        complaints.add(*(replace(diagnostic, span=span, fixes=()) for diagnostic in error.diagnostics))
         return None
 
 

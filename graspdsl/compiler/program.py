@@ -26,7 +26,16 @@ from graspdsl.compiler.scene_check import check_mount, check_scene, check_sensin
 from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
 from graspdsl.compiler.surroundings import OBJECT, USUAL, Surroundings
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, has_errors, in_reading_order, known_names_hint
+from graspdsl.diagnostics import (
+    Diagnostic,
+    DiagnosticError,
+    Fix,
+    SourceText,
+    has_errors,
+    in_reading_order,
+    known_names_hint,
+    likely,
+)
 from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Hand, Mount, Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -34,7 +43,8 @@ from graspdsl.hands.hand_files import hand_in, names_a_file
 from graspdsl.hands.mount_check import taken_names
 from graspdsl.hands.mount_files import mount_in
 from graspdsl.notation.names import canonical
-from graspdsl.notation.parser import parse_expression
+from graspdsl.notation.parser import parse_definition, parse_expression
+from graspdsl.notation.tree import Expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
@@ -214,7 +224,9 @@ def _leading_zeros(document: Document, complaints: Complaints) -> None:
         if decimal != octal:
             complaints.about(path)
             message = f"{text} is read as {decimal}; YAML 1.1 has it for the octal number {octal}"
-            complaints.warning("leading-zero", message, document.span(path), f"write {decimal}")
+            span = document.span(path)
+            fixes = [Fix(span, f"{decimal}")] if span else []
+            complaints.warning("leading-zero", message, span, f"write {decimal}", fixes)
 
 
 def _whole_numbers(document: Document) -> Iterator[tuple[Path, str]]:
@@ -257,10 +269,13 @@ def missing_engine(program: Program) -> Diagnostic | None:
 
 
 def examine_expression(text: str, around: Surroundings = USUAL) -> tuple[CheckedPhase, Robot]:
-    """Check a formula outside a spec. Raises DiagnosticError about it, or about the spec written of what is around."""
+    """Check a formula outside a spec; of a definition, what it stands for.
+
+    Raises DiagnosticError about it, or about the spec written of what is around.
+    """
     complaints, adoption = Complaints(), adopted_in(text)
     check = _check_around(_named(around), complaints, adoption)
-    phase = check.phase(SourceText.of(text), ())
+    phase = check.phase(SourceText.of(text), (), lambda source: parse_definition(source)[1])
     if phase is None or check.robot is None or has_errors(adoption.faults):
         found = [complaint for complaint in complaints.found if not adoption.explains(complaint)]
         raise DiagnosticError(in_reading_order([*adoption.faults, *found]))
@@ -399,10 +414,15 @@ class _ProgramCheck:
         self._complaints.about(path)
         document = self._declarations.document
         given = document is not None and document.origin(path) is not None
-        hint = (file_hint(name.text, given) if what == "object" else None) or known_names_hint(
-            name.text, with_offered(f"{what}s", known), f"{what}s"
+        of_file = file_hint(name.text, given) if what == "object" else None
+        there = with_offered(f"{what}s", known)
+        self._complaints.error(
+            f"unknown-{what}",
+            f"there is no {what} {name.text!r}",
+            span_of(name),
+            of_file or known_names_hint(name.text, there, f"{what}s"),
+            () if of_file else likely(name.text, there, span_of(name)),
         )
-        self._complaints.error(f"unknown-{what}", f"there is no {what} {name.text!r}", span_of(name), hint)
         return False
 
     def phases(self) -> tuple[CheckedPhase | None, ...]:
@@ -416,11 +436,13 @@ class _ProgramCheck:
             phases.append(phase)
         return tuple(phases)
 
-    def phase(self, formula: SourceText, path: Path) -> CheckedPhase | None:
+    def phase(
+        self, formula: SourceText, path: Path, read: Callable[[SourceText], Expression] = parse_expression
+    ) -> CheckedPhase | None:
         """One formula, parsed and checked."""
         self._complaints.about(path)
         try:
-            tree = parse_expression(formula)
+            tree = read(formula)
         except DiagnosticError as error:
             self._complaints.take(error)
             return None

@@ -11,7 +11,7 @@ from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.graph import ControllerGraph, ControllerReference, Reference, SensorReference, VectorReference
-from graspdsl.diagnostics import Diagnostic, Span, known_names_hint, listed
+from graspdsl.diagnostics import Diagnostic, Span, known_names_hint, likely, listed
 from graspdsl.notation import tree as syntax
 from graspdsl.notation.printer import to_unicode
 from graspdsl.spec.models import LARGEST_PARAMETER
@@ -114,6 +114,7 @@ class ReferenceCheck:
                 f"add 'parameters: {{{name.text}: …}}'"
                 if not self._parameters
                 else known_names_hint(name.text, self._parameters, "parameters"),
+                likely(name.text, self._parameters, name.span),
             )
         return values
 

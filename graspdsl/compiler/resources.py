@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 from graspdsl.compiler.complaints import Complaints, span_of
 from graspdsl.compiler.declarations import Declaration
-from graspdsl.diagnostics import DiagnosticError, Span, known_names_hint
+from graspdsl.diagnostics import DiagnosticError, Span, known_names_hint, likely
 from graspdsl.hands.descriptions import Robot
+from graspdsl.notation.latex import plain
 from graspdsl.notation.names import canonical
-from graspdsl.notation.parser import parse_resources
+from graspdsl.notation.parser import defines, parse_resource_definition
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.slips import resource_slip
-from graspdsl.notation.tree import Name, Resource, Resources, Virtual
+from graspdsl.notation.tree import Name, Resource, Resources, ResourceSet, Virtual
 from graspdsl.places.document import Path
 
 GRAVITY = "γ_g"
@@ -95,22 +96,33 @@ class ResourceTable:
             return self._contacts.index(entry.value.text)
         if entry.value.text in self._joint_sets:
             return self._joint_set(entry.value.text)
-        if entry.value.text.lstrip()[:1] in {"{", "<", "⟨", "〈"} or canonical(entry.value.text)[:1] in {"γ", "Γ"}:
-            try:
-                return parse_resources(entry.value)
-            except DiagnosticError as error:
-                self._complaints.take(error)
-                return None
+        if is_formula(entry.value.text):
+            return self._written(entry)
         if self._robot is None:
             return None
+        name, known = entry.value.text, [*self._contacts, *self._joint_sets]
         self._complaints.error(
             "unknown-contact",
-            f"the hand {self._robot.hand.hand} has no contact and no joint set {entry.value.text!r}",
+            f"the hand {self._robot.hand.hand} has no contact and no joint set {name!r}",
             span_of(entry.value),
-            self._other_hand
-            or known_names_hint(entry.value.text, [*self._contacts, *self._joint_sets], "contacts and joint sets"),
+            self._other_hand or known_names_hint(name, known, "contacts and joint sets"),
+            () if self._other_hand else likely(name, known, span_of(entry.value)),
         )
         return None
+
+    def _written(self, entry: Declaration) -> Resources | None:
+        """A resource that is written out, alone or as a definition of the name that it is declared by."""
+        try:
+            defined, meaning = parse_resource_definition(entry.value)
+        except DiagnosticError as error:
+            self._complaints.take(error)
+            return None
+        name = canonical(entry.key.text)
+        if defined is not None and defined.text != name:
+            message = f"the definition is of {defined.text}, its key is {name}"
+            hint = f"let the key be {defined.text}, or leave out the left side here"
+            self._complaints.error("other-head", message, defined.span, hint)
+        return meaning
 
     def _joint_set(self, name: str) -> JointSet:
         order = list(self._robot.joints if self._robot else ())
@@ -178,11 +190,18 @@ class ResourceTable:
                 waiting += part.members
             elif part.text == GRAVITY:
                 return True
-            elif part.text in self._declared and part.text not in seen:
+            elif part.text not in seen and (declared := self._declaration(part.text)) is not None:
                 seen.add(part.text)
-                meaning = self._declared[part.text].meaning
-                waiting += [] if isinstance(meaning, int | JointSet) else [meaning]
+                waiting += [] if isinstance(declared.meaning, int | JointSet) else [declared.meaning]
         return False
+
+    def _declaration(self, name: str) -> _Declared | None:
+        """What declares a name. γ_α, where only a set α is, is the virtual contact of its members (Eq. 4.32)."""
+        declared = self._declared.get(name)
+        group = self._declared.get(name.removeprefix("γ_")) if declared is None else None
+        if group is None or not isinstance(group.meaning, ResourceSet):
+            return declared
+        return replace(group, meaning=Virtual(group.meaning.members, group.meaning.span))
 
     def _meaning_of(self, tree: Resources) -> _Meant | None:
         if isinstance(tree, Name):
@@ -221,18 +240,19 @@ class ResourceTable:
             return self._gravity(name)
         if name.text in self._meant:
             return self._meant[name.text]
-        declared = self._declared.get(name.text)
+        declared = self._declaration(name.text)
         if declared is None and name.text in self._joint_sets:
             return _Meant((), is_set=True, joints=self._joint_set(name.text))
         if declared is None and self._robot is None and name.text[:1] not in {"γ", "Γ"}:
             return None  # it may be a joint set of the hand that is not known
         if declared is None:
+            slip, known = resource_slip(name.text), self._declared.keys() | self._meant.keys()
             self._complaints.error(
                 "unknown-resource",
                 f"there is no resource {name.text}",
                 name.span,
-                resource_slip(name.text)
-                or known_names_hint(name.text, self._declared.keys() | self._meant.keys(), "resources"),
+                slip or known_names_hint(name.text, known, "resources"),
+                () if slip else likely(name.text, known, name.span),
             )
             return None
         if name.text in self._open:
@@ -336,3 +356,10 @@ class ResourceTable:
                     return None
                 shares[contact] = weight / len(members)
         return ContactResource(to_unicode(tree), tuple(sorted(shares.items())))
+
+
+def is_formula(resource: str) -> bool:
+    """Whether a resource is written out, as a set, a virtual contact, another resource or a definition; else it is
+    named, a contact of the hand or a set of its joints."""
+    text = plain(resource).strip()
+    return text[:1] in {"{", "<"} or canonical(text)[:1] in {"γ", "Γ"} or defines(text)

@@ -12,7 +12,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.settings import different_trials
-from graspdsl.diagnostics import known_names_hint
+from graspdsl.diagnostics import known_names_hint, likely
 from graspdsl.hands.descriptions import Hand, Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.objects.mesh_files import SHORTEST
@@ -30,6 +30,7 @@ from graspdsl.worlds.start_pose import UP, pose
 AROUND = 24  # directions about the normal of the palm in which an object's width is looked at
 OBLIQUE = 0.75  # cosine of an angle
 ASIDE = 1e-4
+SLANT = 0.02  # rad by which a side may stand askew and is still taken for one that fingers lie on
 SPREAD = 3.0  # standard deviations that are looked at
 HINT = "or let a number of 'start' differ, as in roll: {uniform: [-0.5, 0.5]}"
 START: Path = ("trials", "start")
@@ -51,7 +52,8 @@ def check_start_posture(spec: Spec, robot: Robot, document: Document, complaints
         if name not in robot.hand.joints:
             message = f"the hand {robot.hand.hand} has no actuated joint {name!r}"
             hint = known_names_hint(name, robot.hand.joints, "joints")
-            complaints.error("unknown-joint", message, document.key_span(path), hint)
+            span = document.key_span(path)
+            complaints.error("unknown-joint", message, span, hint, likely(name, robot.hand.joints, span))
             continue
         low, high = limits[name]
         beyond = [number for number in numbers_of(place) if not low <= number <= high]
@@ -203,9 +205,10 @@ class _Sizes:
 
     @cached_property
     def _poses(self) -> list[tuple[Array, Array]]:
-        """The hand's poses at the ends of all the ranges of a start."""
+        """The hand's poses at the ends of all the ranges of a start, and in their middle."""
         poses = []
-        for values in itertools.product(*(sorted(set(ends)) for ends in self._ends.values())):
+        middle = tuple((low + high) / 2.0 for low, high in self._ends.values())
+        for values in {middle, *itertools.product(*self._ends.values())}:
             drawn = dict(zip(self._ends, values, strict=True))
             start = pose(self._start.approach or "side", drawn, self._body, self._hand.palm_surface)
             poses.append((start.position, start.rotation))
@@ -252,5 +255,5 @@ def _across(support: Callable[[Array], float], normal: Array) -> Iterator[tuple[
         ends = (side, -side)
         sizes = [support(end) for end in ends]
         # The derivative of a support function in a direction is how far the shape reaches that way there.
-        near = [(support(end - ASIDE * normal) - size) / ASIDE for end, size in zip(ends, sizes, strict=True)]
+        near = [(support(end - SLANT * normal) - size) / SLANT for end, size in zip(ends, sizes, strict=True)]
         yield sum(sizes), nearest - min(near)

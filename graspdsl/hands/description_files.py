@@ -65,4 +65,4 @@ def model_of(files: SpecFolder, name: str, said: Hand | Mount, document: Documen
 
 def _placed(diagnostic: Diagnostic, document: Document) -> Diagnostic:
     key = "root" if diagnostic.code == "unknown-root" else "mjcf" if "mjcf" in document.data else "urdf"
-    return replace(diagnostic, span=document.span((key,)))
+    return replace(diagnostic, span=document.span((key,)), fixes=())

@@ -7,7 +7,7 @@ there, so that nothing in the code knows the Barrett hand.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Annotated, Self
 from xml.etree import ElementTree
@@ -263,8 +263,13 @@ def coupling_of(robot: Robot, moving: Sequence[str]) -> Array:
 
 
 def _joints_in(robot: Robot) -> dict[str, ElementTree.Element]:
-    models = map(ElementTree.fromstring, robot.models)
-    return {joint.get("name", ""): joint for model in models for joint in model.iter("joint")}
+    return {name: joint for model in robot.models for name, joint in _joints_of(model).items()}
+
+
+@lru_cache(maxsize=32)
+def _joints_of(model: str) -> Mapping[str, ElementTree.Element]:
+    """The joints in the text of a URDF; a check of a spec asks for them many times."""
+    return {joint.get("name", ""): joint for joint in ElementTree.fromstring(model).iter("joint")}
 
 
 @cache

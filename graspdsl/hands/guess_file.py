@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
 
@@ -13,16 +11,14 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import listed
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
+from graspdsl.hands.first_spec import GRASP, PRESS, FirstSpec, yaml_name, yaml_text
 from graspdsl.hands.guess import GuessedContact, GuessedHand
 from graspdsl.hands.todo import TODO
 from graspdsl.spec.scene import GRAVITY
 
-PLAIN = re.compile(r"[A-Za-z_](?:[\w.-]*[\w])?")
-WORDS = {"true", "false", "yes", "no", "on", "off", "null", "y", "n"}
 SLENDER = 2.2  # of its diameter, how tall a standing cylinder is
 LOWEST = 0.08  # m it is taller than the tips are deep
 ABOVE = 0.02  # m between table and hand, at the side of a cylinder
-PRESS = 0.5  # N, of each contact
 LIGHTEST, TIPPING = 0.3, 2.0  # kg, and how many times what tips the cylinder it is safe from
 COLUMNS = 110  # of a comment
 LEAST_GAP, PLAY = 0.004, 0.004  # m, of the standoff
@@ -45,13 +41,13 @@ def _head(guess: GuessedHand, name: str, key: str, model: str, root: str) -> Ite
         f"Guessed from {file} by graspdsl init hand. Change what is wrong: graspdsl validate tells what does not fit "
         "the model, graspdsl view --hand shows the hand open and closed."
     )
-    yield f"hand: {_name(name)}"
-    yield f"about: {_quoted(f'{count} fingers, guessed from {file}.')}"
-    yield f"{key}: {_quoted(model)}"
+    yield f"hand: {yaml_name(name)}"
+    yield f"about: {yaml_text(f'{count} fingers, guessed from {file}.')}"
+    yield f"{key}: {yaml_text(model)}"
     if root:
         yield from _said("All fingers begin at this link; the joints before it carry the hand and are left out.")
-        yield f"root: {_name(root)}"
-    yield f"palm: {_name(guess.palm)}"
+        yield f"root: {yaml_name(root)}"
+    yield f"palm: {yaml_name(guess.palm)}"
     yield from _said(
         "Out of the palm, in the frame of the root: from the bases of the fingers to where their tips meet, across how "
         "these close."
@@ -64,7 +60,7 @@ def _head(guess: GuessedHand, name: str, key: str, model: str, root: str) -> Ite
     )
     yield f"palm_centre: {_numbers(face.place)}"
     if face.palm_surface is None:
-        yield f"palm_surface: {_quoted(f'{TODO}: m from palm_centre along palm_normal; the palm has no geometry')}"
+        yield f"palm_surface: {yaml_text(f'{TODO}: m from palm_centre along palm_normal; the palm has no geometry')}"
     else:
         yield from _said("How far ahead of that the palm reaches, near the line.")
         yield f"palm_surface: {max(face.palm_surface, 0.0):.4g}"
@@ -79,13 +75,13 @@ def _joints(guess: GuessedHand) -> Iterator[str]:
     for name, joint in guess.joints.items():
         closes = f", closes: {joint.closes}" if joint.closes else ""
         lever = f"lever {1000 * joint.lever:.0f} mm" if joint.turns else "a slide"
-        yield f"  {_name(name)}: {{weight: {joint.weight:g}{closes}}} # {lever}"
+        yield f"  {yaml_name(name)}: {{weight: {joint.weight:g}{closes}}} # {lever}"
     if guess.couplings:
         yield from _said("As the model couples them.")
         yield "couplings:"
         for name, (leader, ratio, offset) in guess.couplings.items():
             shifted = f", offset: {offset:.9g}" if offset else ""
-            yield f"  {_name(name)}: {{follows: {_name(leader)}, ratio: {ratio:.9g}{shifted}}}"
+            yield f"  {yaml_name(name)}: {{follows: {yaml_name(leader)}, ratio: {ratio:.9g}{shifted}}}"
 
 
 def _contacts(guess: GuessedHand) -> Iterator[str]:
@@ -100,7 +96,7 @@ def _contacts(guess: GuessedHand) -> Iterator[str]:
         yield from _contact(name, contact)
     yield "joint_sets:"
     closers = [name for name, joint in guess.joints.items() if joint.closes]
-    yield f"  flexion: [{', '.join(map(_name, closers))}]"
+    yield f"  flexion: [{', '.join(map(yaml_name, closers))}]"
 
 
 def _contact(name: str, contact: GuessedContact) -> Iterator[str]:
@@ -113,11 +109,11 @@ def _contact(name: str, contact: GuessedContact) -> Iterator[str]:
             f"{1000 * tip.error:.1f} mm in the mean, {1000 * tip.worst:.1f} mm at the most."
         )
     yield f"  {name}:"
-    yield f"    {'link' if contact.cell else 'onto'}: {_name(finger.host)}"
+    yield f"    {'link' if contact.cell else 'onto'}: {yaml_name(finger.host)}"
     if contact.cell:
-        yield f"    cell: {_name(contact.cell)}"
+        yield f"    cell: {yaml_name(contact.cell)}"
     yield f"    {tip.kind}: {_shape(tip.shape)}"
-    yield f"    finger: [{', '.join(map(_name, contact.closers))}]"
+    yield f"    finger: [{', '.join(map(yaml_name, contact.closers))}]"
 
 
 def _shape(shape: FingertipShape) -> str:
@@ -145,7 +141,7 @@ def _postures(guess: GuessedHand) -> Iterator[str]:
 
 
 def _posture(places: Mapping[str, float]) -> str:
-    return f"{{{', '.join(f'{_name(name)}: {place + 0.0:.6g}' for name, place in places.items())}}}"
+    return f"{{{', '.join(f'{yaml_name(name)}: {place + 0.0:.6g}' for name, place in places.items())}}}"
 
 
 def _numbers(numbers: Array) -> str:
@@ -157,71 +153,43 @@ def _number(number: float) -> str:
     return f"{round(number, 5) + 0.0:.5f}".rstrip("0").rstrip(".")
 
 
-def _name(text: str) -> str:
-    """A name of the model as YAML reads it back."""
-    return text if PLAIN.fullmatch(text) and text.lower() not in WORDS else _quoted(text)
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
-
-
 def spec_text(guess: GuessedHand, name: str, hand: str, world: str) -> str:
     """A spec that grasps a standing cylinder of a width that suits the hand; ``hand``: how it names the hand file."""
     grasp = guess.grasp
     way = "the side" if grasp.side else "above"
     contacts = list(guess.contacts)
-    greek = [f"γ{number + 1}" for number in range(len(contacts))]
-    others = f"<{', '.join(greek[1:])}>" if grasp.side else ", ".join(greek[1:])
     near, far = max(grasp.standoff - PLAY, LEAST_GAP), max(grasp.standoff + PLAY, LEAST_GAP + 2 * PLAY)
+    standoff = f"standoff: {{uniform: [{near:.3f}, {far:.3f}]}}"
     if grasp.side:
         beside, tips = grasp.beside
         height = beside + tips + 2.0 * ABOVE
-        placed = [f"    height: {beside + ABOVE:.3f}", "    roll: {uniform: [-0.1, 0.1]}"]
+        start = ["roll: {uniform: [-0.1, 0.1]}", f"height: {beside + ABOVE:.3f}", standoff]
     else:
         height = max(SLENDER * grasp.width, grasp.deep + LOWEST)
-        placed = ["    tilt: {uniform: [-0.1, 0.1]}"]
+        start = [standoff]
     pressed = beside + ABOVE if grasp.side else height - grasp.deep
     mass = max(LIGHTEST, math.ceil(10.0 * TIPPING * PRESS * pressed / (GRAVITY * grasp.width / 2.0)) / 10.0)
-    lines = [
-        "graspdsl: 1",
-        f"name: {_name(name)}",
-        f"about: {_quoted(f'{listed(contacts)} on a standing cylinder, from {way}.')}",
-        "",
-        "scene:",
-        f"  world: {world}",
-        f"  hand: {_quoted(hand)}",
-        f"  # As wide as lets the links behind the fingertips keep {1000 * grasp.room:.0f} mm off it.",
-        f"  # So heavy that a fingertip that touches first, {1000 * pressed:.0f} mm above the table, does not tip it.",
-        f"  object: {{cylinder: {{diameter: {grasp.width:.3f}, height: {height:.3f}}}, mass: {mass:.1f}}}",
-        "  friction: 0.6",
-        "",
-        "resources:",
-        *(f"  {each}: {contact}" for each, contact in zip(greek, contacts, strict=True)),
-        f'  Γ: "{{{greek[0]}, {others}}}"',
-        "",
-        "parameters:",
-        f"  κ_f: {PRESS} # N",
-        "",
-        "program:",
-        "  - run: π_close|Γ Γ",
-        "    until: {contact: all, hold: 0.2}",
-        "    limit: 8.0",
-        "  - run: π_s|Γ Γ (π_gx|Γ Γ)",
-        "    until: {force_residual: 0.1, moment_residual: 0.005, force_error: 0.1, hold: 1.0}",
-        "    limit: 30.0",
-        "",
-        "evaluate: [force-closure, lift]",
-        "",
-        "trials:",
-        "  count: 8",
-        "  seed: 1",
-        "  start:",
-        f"    approach: {'side' if grasp.side else 'top'}",
-        "    yaw: {uniform: [-3.14, 3.14]}",
-        *placed,
-        "    offset: {uniform: [-0.005, 0.005]}",
-        f"    standoff: {{uniform: [{near:.3f}, {far:.3f}]}}",
-        "",
-    ]
-    return "\n".join(lines)
+    return FirstSpec(
+        name,
+        f"{listed(contacts)} on a standing cylinder, from {way}.",
+        [
+            f"world: {world}",
+            f"hand: {yaml_text(hand)}",
+            f"# As wide as lets the links behind the fingertips keep {1000 * grasp.room:.0f} mm off it.",
+            f"# So heavy that the first fingertip to touch, {1000 * pressed:.0f} mm above the table, does not tip it.",
+            f"object: {{cylinder: {{diameter: {grasp.width:.3f}, height: {height:.3f}}}, mass: {mass:.1f}}}",
+            "friction: 0.6",
+        ],
+        contacts,
+        grasp.side,
+        GRASP,
+        ("force-closure", "lift"),
+        8,
+        [
+            f"approach: {'side' if grasp.side else 'top'}",
+            *start,
+            "yaw: {uniform: [-3.14, 3.14]}",
+            "offset: {uniform: [-0.005, 0.005]}",
+            *([] if grasp.side else ["tilt: {uniform: [-0.1, 0.1]}"]),
+        ],
+    ).text()

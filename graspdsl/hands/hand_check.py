@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 from pydantic_core import PydanticCustomError
 
-from graspdsl.diagnostics import Diagnostic, Severity, known_names_hint, listed
+from graspdsl.diagnostics import Diagnostic, Severity, known_names_hint, likely, listed
 from graspdsl.hands.completion import finger_of, open_and_closed
 from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
 from graspdsl.hands.fitted import ROUNDING, coupled_range, is_slightly_beyond
@@ -254,7 +255,9 @@ class _Check:
         hint = known_names_hint(name, known, f"{what}s")
         if what == "joint" and name in self._model.joints:
             return self._error("joint-not-driven", f"{name} is not among the driven joints", path, hint, key)
-        return self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r} in the model", path, hint, key)
+        found = self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r} in the model", path, hint, key)
+        written = name == path[-1] if key else self._document.has(path) and name == self._document.get(path)
+        return replace(found, fixes=likely(name, known, found.span) if written else ())
 
     def _error(self, code: str, message: str, path: Path, hint: str | None, key: bool = False) -> Diagnostic:
         span = self._document.key_span(path) if key else self._document.span(path)

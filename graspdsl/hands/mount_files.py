@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, in_reading_order, known_names_hint, listed
+from graspdsl.diagnostics import (
+    Diagnostic,
+    DiagnosticError,
+    has_errors,
+    in_reading_order,
+    known_names_hint,
+    likely,
+    listed,
+)
 from graspdsl.hands.description_files import DescriptionFileError, described_in, model_of
 from graspdsl.hands.descriptions import ALL, MOUNTING, Joint, Mount, base_pose
 from graspdsl.hands.mount_levers import weighed
@@ -196,7 +204,9 @@ class _Check:
 
     def _unknown(self, what: str, name: str, keys: Keys, known: Collection[str]) -> Diagnostic:
         hint = known_names_hint(name, known, f"{what}s")
-        return self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r}", keys, hint)
+        found = self._error(f"unknown-{what}", f"there is no {what} {shortened(name)!r}", keys, hint)
+        written = self._document.has(keys) and name == self._document.get(keys)
+        return replace(found, fixes=likely(name, known, found.span) if written else ())
 
     def _error(self, code: str, message: str, keys: Keys, hint: str | None) -> Diagnostic:
         return Diagnostic(code, message, self._document.span(keys), hint)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from graspdsl.diagnostics import SourceText, Span
-from graspdsl.notation.fault import Fault
+from graspdsl.diagnostics import Span
+from graspdsl.notation.fault import Fault, Placed
 from graspdsl.notation.names import canonical
 from graspdsl.notation.tree import (
     Abbreviation,
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class Builder:
     """Builds the nodes of one text; ``faults`` collects what the grammar cannot see (numbers out of range)."""
 
-    def __init__(self, source: SourceText) -> None:
+    def __init__(self, source: Placed) -> None:
         self.source = source
         self.faults: list[Fault] = []
 

@@ -13,35 +13,10 @@ import re
 from collections.abc import Sequence
 
 from graspdsl.notation.characters import fold
+from graspdsl.notation.greek import LETTERS
+from graspdsl.notation.latex import plain
 
-_LOWER = {
-    "alpha": "α",
-    "beta": "β",
-    "gamma": "γ",
-    "delta": "δ",
-    "epsilon": "ε",
-    "zeta": "ζ",
-    "eta": "η",
-    "theta": "θ",
-    "iota": "ι",
-    "kappa": "κ",
-    "lambda": "λ",
-    "mu": "μ",
-    "nu": "ν",
-    "xi": "ξ",
-    "omicron": "ο",
-    "pi": "π",
-    "rho": "ρ",
-    "sigma": "σ",
-    "tau": "τ",
-    "upsilon": "υ",
-    "phi": "φ",
-    "chi": "χ",
-    "psi": "ψ",
-    "omega": "ω",
-}
-_LETTERS = _LOWER | {word.capitalize(): letter.upper() for word, letter in _LOWER.items()}
-_WORDS = {letter: word for word, letter in _LETTERS.items()}
+_WORDS = {letter: word for word, letter in LETTERS.items()}
 _SHORT = {"g": "γ", "G": "Γ"}
 
 # As in grammar.lark: pieces of letters and digits, joined by "_" or, before a letter, by "__".
@@ -54,11 +29,13 @@ _NUMBERED = re.compile(r"[φτσπκγΓ]_[0-9]+")
 def canonical(name: str) -> str:
     """The canonical spelling of a name: ``phi_fr`` → φ_fr, ``g1``, ``gamma_1``, ``γ₁`` → γ1, ``G_sigma`` → Γ_σ.
 
+    LaTeX is a spelling, too: ``\\gamma_{23}`` is γ23.
+
     Text that is no name keeps its words; only its characters are folded. Applying it twice changes nothing.
     """
-    folded = fold(name)
+    folded = plain(name)
     if not _NAME.fullmatch(folded):
-        return folded
+        return fold(name)
     segments = _SUBSCRIPT.split(folded)
     spelt = "_".join(_canonical_segment(segment, head=place == 0) for place, segment in enumerate(segments))
     # γ_1 and γ1 are one contact; the chapter prints it with a subscript.
@@ -68,6 +45,22 @@ def canonical(name: str) -> str:
 def ascii_name(name: str) -> str:
     """The ASCII spelling of a canonical name: Γ_m → ``G_m``, π_gθ → ``pi_gtheta``; :func:`canonical` reads it back."""
     return "_".join(_ascii_segment(segment, head=place == 0) for place, segment in enumerate(_SUBSCRIPT.split(name)))
+
+
+def latex_name(name: str) -> str:
+    """The LaTeX spelling of a canonical name: π_gθ → ``\\pi_{g\\theta}``; :func:`canonical` reads it back."""
+    head, *rest = _SUBSCRIPT.split(name)
+    if _NUMBERED.fullmatch(f"{head[0]}_{head[1:]}") and not rest:
+        head, rest = head[0], [head[1:]]
+    letters = _latex_segment(head)
+    spelt = letters if len(head) == 1 else rf"\mathit{{{letters}}}"
+    return f"{spelt}_{{{_latex_segment('_'.join(rest))}}}" if rest else spelt
+
+
+def _latex_segment(segment: str) -> str:
+    """Letters and digits as LaTeX has them; what would run on from a command stands apart."""
+    spelt = re.sub(r"[Α-Ωα-ω]", lambda letter: f"\\{_WORDS[letter.group()]} ", segment).replace("_", r"\_")
+    return re.sub(r" (?![A-Za-z])", "", spelt)
 
 
 def _canonical_segment(segment: str, head: bool) -> str:
@@ -87,8 +80,8 @@ def _head_ends(runs: Sequence[str]) -> bool:
 
 
 def _greek(run: str, head: bool) -> str:
-    if run in _LETTERS:
-        return _LETTERS[run]
+    if run in LETTERS:
+        return LETTERS[run]
     if not head and run.endswith("theta"):
         return _greek(run.removesuffix("theta"), head) + "θ"
     return run

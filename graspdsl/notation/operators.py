@@ -7,10 +7,13 @@ from collections.abc import Iterable
 
 from graspdsl.notation.characters import shown
 from graspdsl.notation.fault import Fault
+from graspdsl.notation.reading import Reading
 
 _SUBJECT_TO = "write “◁” or “<|” (subject to): the controller on its right has the higher priority"
 _THEN = "write “then”: one controller to convergence, then the next"
 _EITHER = "join controllers by “◁” (subject to; the rightmost has the highest priority) or “then”"
+
+_MEANT = {_SUBJECT_TO: ("◁",), _THEN: ("then",), _EITHER: ("◁", "then")}  # by the hint
 
 _WORDS = {
     **dict.fromkeys(("and then", "followed by", "before"), _THEN),
@@ -31,12 +34,12 @@ _CONTROLLER = re.compile(r"[\s(]*(?:φ|phi|π|pi)(?![A-Za-zΑ-Ωα-ω])")
 _NAME_OF_CONTROLLER = re.compile(r"(?:φ|phi|π|pi)(?![A-Za-zΑ-Ωα-ω])\w*\Z")
 
 
-def operator_faults(folded: str, written: str, brackets: Iterable[Fault]) -> list[Fault]:
+def operator_faults(reading: Reading, brackets: Iterable[Fault]) -> list[Fault]:
     """A fault for whatever stands as an operator before a controller and is none.
 
-    ``folded`` is the text with its characters folded, ``written`` the same text as the user wrote it, ``brackets``
-    what is wrong with its brackets: a ``>`` that closes nothing is an operator too.
+    ``brackets`` is what is wrong with the formula's brackets: a ``>`` that closes nothing is an operator too.
     """
+    folded = reading.text
     unmatched = {fault.start for fault in brackets}
     faults = []
     for found in _BETWEEN.finditer(folded):
@@ -58,9 +61,9 @@ def operator_faults(folded: str, written: str, brackets: Iterable[Fault]) -> lis
             continue
         hint = _hint(sign)
         if hint is not None:
-            operator = written[start:end]
+            operator = reading.written(start, end)
             message = f"there is no operator {f'“{operator}”' if operator.isascii() else shown(operator)}"
-            faults.append(Fault(start, end, "unknown-operator", message, hint))
+            faults.append(Fault(start, end, "unknown-operator", message, hint, _MEANT[hint]))
     return faults
 
 

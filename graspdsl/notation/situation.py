@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from graspdsl.notation.reading import Reading
 from graspdsl.notation.syntax import Halt, Start
 
 _WORD = re.compile(r"<\||[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?|\w+|\S")
@@ -28,12 +29,12 @@ class Situation:
     role: str
 
     @classmethod
-    def of(cls, halt: Halt, folded: str, written: str, start: Start) -> Situation:
-        """The situation of a halt in a text, given with and without folded characters."""
+    def of(cls, halt: Halt, reading: Reading, start: Start) -> Situation:
+        """The situation of a halt in a formula."""
         previous = ""
-        for match in _WORD.finditer(folded, 0, halt.at):
+        for match in _WORD.finditer(reading.text, 0, halt.at):
             previous = match.group()
-        found = written[halt.at : halt.at + len(halt.word)]
+        found = reading.spelt[halt.at : halt.at + len(halt.word)]
         return cls(start, halt.at, halt.kind, found, previous, halt.accepted, halt.owner, halt.role)
 
     def could_be(self, *terminals: str) -> bool:

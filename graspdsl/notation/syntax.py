@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from lark import Lark, Token, Tree
     from lark.exceptions import UnexpectedInput
 
+TEXT = Path(__file__).with_name("grammar.lark")
+
 Start = Literal["expression", "head", "resources"]
 
 ROLES = {
@@ -45,9 +47,8 @@ def grammar() -> Lark:
     # Importing Lark takes longer than importing the rest of the notation, and printing does not need it.
     from lark import Lark
 
-    text = Path(__file__).with_name("grammar.lark").read_text(encoding="utf-8")
     return Lark(
-        text,
+        TEXT.read_text(encoding="utf-8"),
         parser="lalr",
         lexer="contextual",
         start=["expression", "head", "resources"],

@@ -45,7 +45,8 @@ class Mesh(Model):
     )
     convex: Literal["hull", "decomposition"] | None = Field(
         default=None,
-        description="what collides, the convex hull or convex parts; by default the parts where the hull is 5 % larger",
+        description="what collides, by default the parts where the hull is 5 % larger; hull: the convex hull; "
+        "decomposition: convex parts",
     )
     density: Number | None = Field(
         default=None, gt=0.0, le=30000.0, description="density (kg/m³), instead of a mass of the object"

@@ -278,7 +278,8 @@ class _Mark(Protocol):
     index: int
 
 
-def _offset(mark: _Mark | None) -> int:
+def offset_of(mark: _Mark | None) -> int:
+    """Where a mark is in the text."""
     return mark.index if mark else 0
 
 
@@ -295,7 +296,7 @@ class _BoundedComposer(LenientScanner, Parser, Composer, BaseResolver):
 
     def get_event(self) -> Event:
         event: Event = super().get_event()  # type: ignore[no-untyped-call]  # the stubs leave the parser untyped
-        start, end = _offset(event.start_mark), _offset(event.end_mark)
+        start, end = offset_of(event.start_mark), offset_of(event.end_mark)
         if isinstance(event, ScalarEvent | CollectionStartEvent | AliasEvent):
             self._nodes += 1
             if self._nodes > NODE_LIMIT:
@@ -321,7 +322,7 @@ class _BoundedComposer(LenientScanner, Parser, Composer, BaseResolver):
         name = "!!" + tag.removeprefix(_STANDARD) if tag.startswith(_STANDARD) else tag
         message = f"the tag {shortened(name)} cannot stand here"
         hint = "remove it: a spec is plain text, numbers, lists and mappings; a text that begins with '!' needs quotes"
-        start = _offset(event.start_mark)
+        start = offset_of(event.start_mark)
         span = self._lines.first_line(start, start + len(self._lines.rest_of_line(start).split(" ")[0]))
         self.faults.append(Diagnostic("unknown-tag", message, span, hint))
 

@@ -294,7 +294,7 @@ class Document:
         origin = self.origin(path) or next(inside, None)
         if origin is None:
             return diagnostic
-        return replace(diagnostic, span=None, message=f"{origin}: {diagnostic.message}")
+        return replace(diagnostic, span=None, message=f"{origin}: {diagnostic.message}", fixes=())
 
     def with_value(self, path: Path, value: Data, origin: str) -> Document:
         """The document with another value at a path whose enclosing value exists (as :meth:`get` finds it)."""

@@ -48,9 +48,9 @@ def name_in(table: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def fault(code: str, message: str, hint: str | None = None) -> PydanticCustomError:
-    """A complaint of a validator; ``code`` becomes the code of the diagnostic."""
-    return PydanticCustomError(code, "{message}", {"message": message, "hint": hint})
+def fault(code: str, message: str, hint: str | None = None, write: str | None = None) -> PydanticCustomError:
+    """A complaint of a validator; ``code`` becomes the code of the diagnostic, ``write`` its fix."""
+    return PydanticCustomError(code, "{message}", {"message": message, "hint": hint, "write": write})
 
 
 def forms(expected: str, choose: Callable[[Any], str | None]) -> Discriminator:

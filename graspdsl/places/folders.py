@@ -11,6 +11,9 @@ from graspdsl.diagnostics import Diagnostic, Span
 from graspdsl.places.files import read_text, refusal
 
 SUFFIXES = (".yaml", ".yml")
+BEGINNING = 4096  # characters of a file in which it says what it is
+HAND_FILE = re.compile(r"(?:[^\S\n]*(?:#[^\n]*)?\n)*hand\s*:")  # the beginning of one
+MOUNT_FILE = re.compile(HAND_FILE.pattern.replace("hand", "mount"))
 
 
 def descriptions_in(place: Path, kind: str) -> list[Path]:
@@ -28,9 +31,20 @@ def descriptions_in(place: Path, kind: str) -> list[Path]:
     return found
 
 
+def begins_as(beginning: re.Pattern[str], path: Path) -> bool:
+    """Whether a YAML file is a hand or a mount file, as it begins; not where it cannot be read."""
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return path.suffix in SUFFIXES and beginning.match(file.read(BEGINNING)) is not None
+    except OSError:
+        return False
+
+
 def told_of(file: str, faults: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Complaints about a file as they are told elsewhere: each begins with its place in it."""
-    return tuple(replace(fault, span=None, message=f"{_place(file, fault.span)}: {fault.message}") for fault in faults)
+    return tuple(
+        replace(fault, span=None, message=f"{_place(file, fault.span)}: {fault.message}", fixes=()) for fault in faults
+    )
 
 
 def _place(file: str, span: Span | None) -> str:

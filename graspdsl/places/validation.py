@@ -13,10 +13,21 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order, known_names_hint, listed, nearest
+from graspdsl.diagnostics import (
+    Diagnostic,
+    DiagnosticError,
+    Fix,
+    Span,
+    in_reading_order,
+    known_names_hint,
+    likely,
+    listed,
+    nearest,
+)
 from graspdsl.places.composing import kind_of
 from graspdsl.places.document import Document, Path
 from graspdsl.places.fields import FORM, Model, Unit
+from graspdsl.places.mending import key_added
 from graspdsl.places.wording import Data, as_yaml, quoted, shortened, shown
 from graspdsl.units import number_meant
 
@@ -40,13 +51,18 @@ class Slot:
 
 def slot(model: type[BaseModel], path: Path) -> Slot:
     """What ``model`` says about ``path``; nothing for a path it does not know."""
-    here: list[Any] = [model]
-    for step in path:
-        here = [inner for annotation in here for inner in _inside(annotation, step)]
-    parts = [part for annotation in here for part in _parts(annotation)]
+    parts = kinds_at(model, path)
     models = tuple(part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
     unit = next((part.symbol for part in parts if isinstance(part, Unit)), None)
     return Slot(models, unit)
+
+
+def kinds_at(model: type[BaseModel], path: Path) -> list[Any]:
+    """The types that ``model`` has for the value at ``path``, with what is attached to them; none of no known one."""
+    here: list[Any] = [model]
+    for step in path:
+        here = [inner for annotation in here for inner in _inside(annotation, step)]
+    return [part for annotation in here for part in _parts(annotation)]
 
 
 def _parts(annotation: Any) -> Iterator[Any]:
@@ -186,12 +202,15 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
     if kind == "extra_forbidden":
         return _unknown_key(path, document, slot(model, path[:-1]))
     code, message, hint = "wrong-value", f"{details['msg']}, found {shown(value)}", None
+    write: str | None = None
+    fixes: tuple[Fix, ...] = ()
     if kind in _TYPES:
         expected, takes_unit = _TYPES[kind]
         code, message = "wrong-type", f"expected {expected}{unit if takes_unit else ''}, found {shown(value)}"
         if "number" in expected:
-            hint = _number_hint(value, path, model)
-        return _type_fault(Diagnostic(code, message, document.span(path), hint), expected, value, path, document, model)
+            hint, write = _number_hint(value, path, model)
+        found = Diagnostic(code, message, document.span(path), hint, fixes=_instead(document.span(path), write))
+        return _type_fault(found, expected, value, path, document, model)
     if kind in _BOUNDS:
         key, words = _BOUNDS[kind]
         code = "out-of-range"
@@ -207,27 +226,36 @@ def _diagnostic(details: ErrorDetails, path: Path, document: Document, model: ty
     elif kind == "literal_error":
         known = [name.strip(" '") for name in context["expected"].replace(" or ", ",").split(",")]
         code, (message, hint) = "unknown-value", unknown_value(known, value)
+        fixes = likely(value, known, document.span(path)) if isinstance(value, str) else ()
     elif kind == "wrong-form":
         code, message, hint = "wrong-form", details["msg"], context.get("hint")
         if not context:  # a value that has none of the forms; one with context says it all
             message = f"{message}{unit and f', in {here.unit}'}; found {shown(value)}"
-            hint = _form_hint(value, here)
+            hint, fixes = _form_hint(value, here), _form_fixes(value, here, path, document)
             if "a number" in message and isinstance(value, str):
-                hint = _number_hint(value, path, model)
+                hint, write = _number_hint(value, path, model)
     elif "message" in context:
-        code, message, hint = kind, str(context["message"]), context.get("hint")
-    return Diagnostic(code, message, document.span(path), hint)
+        code, message, hint, write = kind, str(context["message"]), context.get("hint"), context.get("write")
+    span = document.span(path)
+    return Diagnostic(code, message, span, hint, fixes=fixes or _instead(span, write))
+
+
+def _instead(span: Span | None, text: str | None) -> tuple[Fix, ...]:
+    return () if span is None or text is None else (Fix(span, text),)
 
 
 def _missing(path: Path, document: Document, around: Slot) -> Diagnostic:
     key = str(path[-1])
     field = around.fields().get(key)
     owner = _owner(path[:-1])
-    hint = None
+    hint: str | None = None
+    fixes: tuple[Fix, ...] = ()
     if field is not None:
-        hint = f"add '{key}: {_example(field.examples)}'" if field.examples else f"add '{key}: …'"
-        hint += f" ({field.description})" if field.description else ""
-    return Diagnostic("missing-key", f"{owner} needs the key '{key}'", document.key_span(path[:-1]), hint)
+        said = f"{key}: {_example(field.examples)}"
+        hint = f"add '{said}'" + (f" ({field.description})" if field.description else "")
+        fixes = key_added(document, path, said, list(around.fields())) if field.examples else ()
+    message = f"{owner} needs the key '{key}'"
+    return Diagnostic("missing-key", message, document.key_span(path[:-1]), hint, fixes=fixes)
 
 
 def _owner(path: Path) -> str:
@@ -246,9 +274,11 @@ def _example(examples: list[Any] | None) -> str:
 
 def _unknown_key(path: Path, document: Document, around: Slot) -> Diagnostic:
     key = str(path[-1])
-    hint = around.meant_by(key.replace("_", "-")) or known_names_hint(key, around.fields(), "keys here")
+    meant, span = around.meant_by(key.replace("_", "-")), document.key_span(path)
+    hint = meant or known_names_hint(key, around.fields(), "keys here")
+    absent = [name for name in around.fields() if not document.has((*path[:-1], name))]
     message = f"{_owner(path[:-1])} has no key {shortened(key)!r}"
-    return Diagnostic("unknown-key", message, document.key_span(path), hint)
+    return Diagnostic("unknown-key", message, span, hint, fixes=() if meant else likely(key, absent, span))
 
 
 def _type_fault(
@@ -256,6 +286,7 @@ def _type_fault(
 ) -> Diagnostic:
     """Adds the way out that fits: quotes around a formula, or a number without its quotes."""
     code, message, hint = found.code, found.message, found.hint
+    write: str | None = None
     source = document.source(path)
     file = value.get("file") if isinstance(value, dict) else None
     if expected == "text" and isinstance(file, str):
@@ -264,40 +295,45 @@ def _type_fault(
         what = "mapping" if isinstance(value, dict) else "list"
         code = "unquoted-text"
         message = f"expected text, but without quotes YAML reads this as a {what}"
-        hint = f"put it in quotes: {quoted(source)}"
+        write = quoted(source)
+        hint = f"put it in quotes: {write}"
     elif expected == "text" and source is None and isinstance(value, dict | list):
         hint = "put quotes around the value as well as around what the shell takes"
     elif expected == "text" and isinstance(value, bool | int | float):
-        hint = f"put it in quotes: {quoted(source or as_yaml(value))}"
+        write = quoted(source or as_yaml(value))
+        hint = f"put it in quotes: {write}"
     elif expected == "a whole number" and isinstance(value, float) and value.is_integer():
-        hint = f"write {value:.0f}"
+        write = f"{value:.0f}"
+        hint = f"write {write}"
     elif hint is None and isinstance(value, str) and value[:1] in "“”„«‘":
-        hint = f"YAML's quotation marks are \" and ': write {quoted(value.strip(_ODD_QUOTES))}"
+        write = quoted(value.strip(_ODD_QUOTES))
+        hint = f"YAML's quotation marks are \" and ': write {write}"
     elif expected == "a mapping" and isinstance(value, str) and "file" in slot(model, path).fields():
         hint = f"write {path[-1]}: {{file: {shortened(value)}}}"
     elif expected in ("a mapping", "a list") and isinstance(value, str) and _LIKE_A_FILE.search(value):
         hint = f"{expected} stands here itself, not the name of a file"
-    return Diagnostic(code, message, found.span, hint)
+    return Diagnostic(code, message, found.span, hint, fixes=_instead(found.span, write) or found.fixes)
 
 
-def _number_hint(value: object, path: Path, model: type[BaseModel]) -> str | None:
-    """For a text where a number is needed, the number that it means, bare and in the unit of the field."""
+def _number_hint(value: object, path: Path, model: type[BaseModel]) -> tuple[str | None, str | None]:
+    """For a text where a number is needed, the number that it means, bare and in the unit of the field: the hint, and
+    what to write instead."""
     if not isinstance(value, str):
-        return None
+        return None, None
     plain = value.strip().strip(_ODD_QUOTES)
     if kind_of(plain) in ("int", "float"):
-        return f"remove the quotes: {plain}"
+        return f"remove the quotes: {plain}", plain
     meant = number_meant(plain)
     if meant is None:
         counted = _COUNTED.match(plain)
-        return f"write the bare number: {counted.group(1)}" if counted else None
+        return (f"write the bare number: {counted.group(1)}", counted.group(1)) if counted else (None, None)
     number, unit = meant
     field = next((at.unit for n in range(len(path), 0, -1) if (at := slot(model, path[:n])).unit), None)
     if unit is not None and field is not None and unit != field:
-        return f"write the bare number, in {field}"
+        return f"write the bare number, in {field}", None
     bare = as_yaml(float(f"{number:.6g}"))
     said = field or (unit if not plain.startswith(bare) else None)
-    return f"write the bare number{f', in {said}' if said else ''}: {bare}"
+    return f"write the bare number{f', in {said}' if said else ''}: {bare}", bare
 
 
 def unknown_value(known: Sequence[str], value: object) -> tuple[str, str | None]:
@@ -316,3 +352,9 @@ def _form_hint(value: object, here: Slot) -> str | None:
     if close:
         return f"did you mean {listed(dict.fromkeys(close), 'or')}?"
     return "write exactly one of them" if sum(key in known for key in value) > 1 else None
+
+
+def _form_fixes(value: object, here: Slot, path: Path, document: Document) -> tuple[Fix, ...]:
+    """For a mapping with a misspelt key, the keys that were meant, in its place."""
+    unknown = [key for key in value if key not in here.fields()] if isinstance(value, dict) else []
+    return tuple(fix for key in unknown for fix in likely(key, here.fields(), document.key_span((*path, key)))[:1])

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter
 from graspdsl.basis.prelude import Definition
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, listed
 from graspdsl.hands.hand_files import names_a_file
+from graspdsl.notation.latex import reading_of
 from graspdsl.objects.object_files import FILES
 from graspdsl.objects.shapes import SHAPES
 from graspdsl.places.document import Document, Path, parse_document
@@ -222,9 +223,10 @@ class _Adopter:
 
     def formula(self, text: SourceText, path: Path, own: Iterable[str] = ()) -> None:
         """What a formula names but for the document's own controllers."""
-        for (kind, name), (start, end) in words_in(text.text):
+        reading, _ = reading_of(text)
+        for (kind, name), (start, end) in words_in(reading.text):
             if name not in own:
-                self.want((kind, name), text.span(start, end), path)
+                self.want((kind, name), reading.span(start, end), path)
 
     def want(self, key: Key, span: Span | None, path: Path) -> None:
         """See that a thing that is named at a place is in its table, and all that it needs; or complain."""
@@ -365,7 +367,7 @@ class _Adopter:
         self._faults += [self._placed(fault, span, path) for fault in faults]
 
     def _placed(self, fault: Diagnostic, span: Span | None, path: Path) -> Diagnostic:
-        placed = replace(fault, span=span)
+        placed = replace(fault, span=span, fixes=())
         return self._document.attributed(path, placed) if self._document else placed
 
 

@@ -17,6 +17,7 @@ from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.hands.descriptions import hands, mounts
 from graspdsl.hands.hand_files import hands_in
 from graspdsl.hands.mount_files import mounts_in
+from graspdsl.notation.latex import plain
 from graspdsl.notation.names import canonical
 from graspdsl.notation.printer import to_unicode
 from graspdsl.objects.object_files import objects_in
@@ -159,7 +160,7 @@ def spelt(kind: str, name: str) -> str:
 
 
 def words_in(formula: str) -> Iterator[tuple[Key, tuple[int, int]]]:
-    """The names in a formula by their kinds, each with where it begins and ends."""
+    """The names in a formula in plain spelling by their kinds, each with where it begins and ends."""
     for word in _WORD.finditer(formula):
         name = canonical(word.group())
         if name[:2] in FORMULAS:
@@ -168,7 +169,7 @@ def words_in(formula: str) -> Iterator[tuple[Key, tuple[int, int]]]:
 
 def named_in(formula: str) -> list[Key]:
     """What a formula names."""
-    return [key for key, _ in words_in(formula)]
+    return [key for key, _ in words_in(plain(formula))]
 
 
 def offered() -> tuple[Offer, ...]:

@@ -74,9 +74,9 @@ def _quantiles_of(distribution: float | Uniform | Normal | Choice) -> tuple[floa
         case Uniform(uniform=(low, high)):
             return tuple(low + share * (high - low) for share in QUANTILES)
         case Normal(normal=(mean, deviation)):
-            from scipy.stats import norm
+            from scipy.special import ndtri
 
-            return tuple(float(mean + deviation * norm.ppf(share)) for share in QUANTILES)
+            return tuple(float(mean + deviation * ndtri(share)) for share in QUANTILES)
         case Choice(choice=values):
             return tuple(float(value) for value in np.quantile(values, QUANTILES, method="inverted_cdf"))
     return None

@@ -2,8 +2,8 @@
 
 Intervals of a share are Wilson's where it is told, and exact where a claim is judged by it; those of medians are of
 order statistics; of differences of shares Newcombe's score methods, of medians the bootstrap. What draws at random
-does so from BOOTSTRAP_SEED: an interval is the same whenever it is made. scipy.stats, which takes its time to load, is
-loaded by the first number that needs it.
+does so from BOOTSTRAP_SEED: an interval is the same whenever it is made. scipy.stats takes its time to load and is left
+to differences of medians; the rest needs no more than scipy.special.
 """
 
 from __future__ import annotations
@@ -37,18 +37,21 @@ def wilson(successes: int, count: int) -> Interval:
     """The Wilson score interval of a share; (0, 1) when nothing was counted."""
     if count == 0:
         return 0.0, 1.0
-    from scipy import stats
+    from scipy.special import ndtri
 
-    low, high = stats.binomtest(successes, count).proportion_ci(method="wilson")
-    return float(low), float(high)
+    share, squared = successes / count, float(ndtri(0.975)) ** 2 / count
+    middle = share + squared / 2.0
+    half = math.sqrt(squared * (share * (1.0 - share) + squared / 4.0))
+    low, high = ((middle + side) / (1.0 + squared) for side in (-half, half))
+    return low if successes > 0 else 0.0, high if successes < count else 1.0
 
 
 def share_interval(part: float, whole: float) -> Interval:
     """The interval of a share after Clopper and Pearson 1934: each end is passed with a chance of at most 2.5 %."""
-    from scipy import stats
+    from scipy.special import betaincinv
 
-    low = float(stats.beta.ppf(0.025, part, whole - part + 1.0)) if part > 0.0 else 0.0
-    high = float(stats.beta.ppf(0.975, part + 1.0, whole - part)) if part < whole else 1.0
+    low = float(betaincinv(part, whole - part + 1.0, 0.025)) if part > 0.0 else 0.0
+    high = float(betaincinv(part + 1.0, whole - part, 0.975)) if part < whole else 1.0
     return low, high
 
 
@@ -59,18 +62,20 @@ def median_interval(values: Array) -> Interval | None:
     """
     if len(values) < FEWEST:
         return None
-    from scipy import stats
+    from scipy.special import bdtr
 
-    low, high = np.asarray(stats.quantile_test(values, q=0.0, p=0.5).confidence_interval(0.95))
-    return float(low), float(high)
+    ordered, ranks = np.sort(values), np.arange(len(values) // 2)
+    passed = int(np.flatnonzero(bdtr(ranks, len(values), 0.5) <= 0.025)[-1])
+    return float(ordered[passed]), float(ordered[-1 - passed])
 
 
 def mean_interval(values: Array) -> Interval:
     """Student's interval of the mean of what values (n,) are drawn from."""
-    from scipy import stats
+    from scipy.special import stdtrit
 
-    mean, half = float(values.mean()), float(stats.t.ppf(0.975, len(values) - 1) * stats.sem(values))
-    return mean - half, mean + half  # stats.t.interval knows none without scatter
+    error = float(values.std(ddof=1)) / math.sqrt(len(values))
+    mean, half = float(values.mean()), float(stdtrit(len(values) - 1, 0.975)) * error
+    return mean - half, mean + half
 
 
 def median(values: Iterable[float]) -> float | None:

@@ -17,7 +17,7 @@ ContactKind = Literal["hard", "soft-finger", "frictionless"]
 def _even(edges: int) -> int:
     if edges % 2:
         message = f"a friction pyramid has an even number of edges, found {edges}"
-        raise fault("out-of-range", message, f"write {edges + 1}")
+        raise fault("out-of-range", message, f"write {edges + 1}", f"{edges + 1}")
     return edges
 
 
@@ -58,6 +58,6 @@ class Grading(Model):
     )
     torque_scale: TorqueScale = Field(
         default=RADIUS_OF_GYRATION,
-        description="what moments are divided by to be compared with forces: radius-of-gyration, that of the object, "
-        "or a length (m)",
+        description="what moments are divided by to be compared with forces, a length (m) or by name; "
+        "radius-of-gyration: that of the object",
     )

@@ -93,13 +93,13 @@ def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Readi
 def json_schema(known: Known = ANYTHING) -> dict[str, Any]:
     """The JSON Schema of a spec, for editors; ``known`` as for :func:`spec_of`."""
     schema = Spec.model_json_schema(by_alias=True)
-    scene, grade = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]["items"]
-    for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grade)):
+    scene, grades = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]
+    for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grades)):
         if things := known.get(table):
             named = {"enum": list(things)}
-            field |= {"anyOf": [named, {"pattern": r"\.ya?ml$"}]} if table == "mounts" else named
-            if "description" in field:
-                field["description"] += "".join(f"; {name}: {line}" for name, line in things.items())
+            into = grades["items"] if field is grades else field
+            into |= {"anyOf": [named, {"pattern": r"\.ya?ml$"}]} if table == "mounts" else named
+            field["description"] += "".join(f"; {name}: {line}" for name, line in things.items())
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "graspdsl spec"}
 
 

@@ -19,7 +19,8 @@ from graspdsl.spec.trials import Trials
 def _version(value: Any) -> Any:
     # True and 1.0 equal 1, but a version is written 1.
     if type(value) is not int or value != 1:
-        raise fault("wrong-version", f"expected 1, the version of the spec's format, found {shown(value)}", "write 1")
+        message = f"expected 1, the version of the spec's format, found {shown(value)}"
+        raise fault("wrong-version", message, "write 1", "1")
     return value
 
 
@@ -28,7 +29,8 @@ def folder_name(name: str) -> str:
     if not re.fullmatch(r"[^\W_](?:[\w.-]{0,58}\w)?", name):
         slug = re.sub(r"[^\w.-]+", "-", name).strip("-_.")[:60].rstrip("-_.")
         message = f"expected a name of up to 60 letters, digits, '-', '_' and '.', found {shown(name)}"
-        raise fault("bad-name", message, f"write {slug}" if slug else "for example towel-roll-two-contacts")
+        hint = f"write {slug}" if slug else "for example towel-roll-two-contacts"
+        raise fault("bad-name", message, hint, slug or None)
     return name
 
 
@@ -90,6 +92,7 @@ class Spec(Model):
     controllers: dict[str, ControllerEntry] = Field(
         default={}, description="controllers of your own: 'π_mine|Γ_τ Γ_σ' and what it stands for"
     )
+    control: Control = Field(default=Control(), description="how gradients become motion")
     program: tuple[Phase, ...] = Field(
         min_length=1,
         description="the phases of a trial, in their order",
@@ -101,7 +104,6 @@ class Spec(Model):
         "--allow-code",
         examples=[["my_potential.py"]],
     )
-    control: Control = Field(default=Control(), description="how gradients become motion")
     monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
     evaluate: tuple[Annotated[str, name_in("grades")], ...] = Field(
         default=(), description="how the final grasps are graded"

@@ -91,7 +91,8 @@ class Control(Model):
     )
     inverse: Literal["pseudo-inverse", "transpose"] = Field(
         default="pseudo-inverse",
-        description="what turns contact motion into joint motion, J⁺ of Eq. 4.20; transpose: Jᵀ/σ², σ the largest "
+        description="what turns contact motion into joint motion, J⁺ of Eq. 4.20; pseudo-inverse: damped; "
+        "transpose: Jᵀ/σ², σ the largest "
         "singular value of J; slow where joints move contacts little, and it presses: give it nullspace: task",
     )
     position_gain: Number = Field(
@@ -122,7 +123,7 @@ class Control(Model):
     origin: Literal["centroid", "object", "world"] = Field(
         default="centroid",
         description="the point moments are taken about; centroid: the mean of the contacts; object: the centre of mass "
-        "of an object that is held or floats",
+        "of an object that is held or floats; world: the origin of the world",
     )
     curvature_radius: Metres = Field(
         default=0.05, gt=0.0, le=100.0, description="radius (m) of the object that the gradients assume"

@@ -21,17 +21,17 @@ TIME_STEPS, MOST_ITERATIONS = (1e-4, 0.02), 10_000  # s; 1
 
 
 class _Described(Growing):
+    like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
     name: str | None = Field(default=None, min_length=1, max_length=60, description="what reports call the object")
     mass: Mass | None = Field(default=None, description="mass (kg), above 0; by default 0.5, or the catalogue's")
     held: bool = Field(default=False, strict=True, description="whether it is fixed to the hand when a trial starts")
     fixed: bool = Field(default=False, strict=True, description="whether it is fixed to the world")
     pose: ObjectPose | None = Field(
         default=None,
-        description="how it is turned before it is put on the table: lay-down, its major axis level, along y; "
-        "upside-down; or {rpy: [roll, pitch, yaw]} (rad); by default as its shape or file has it",
+        description="how it is turned before it is put on the table, by name or by {rpy: [roll, pitch, yaw]} (rad), by "
+        "default as its shape or file has it; lay-down: its major axis level, along y; upside-down: on its head",
         examples=["lay-down"],
     )
-    like: str | None = Field(default=None, min_length=1, description="an object of the catalogue, instead of a shape")
 
 
 def _key(kind: type[DescribedShape]) -> Any:

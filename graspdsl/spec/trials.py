@@ -31,8 +31,8 @@ class StartSettings(Model):
 
     approach: Literal["side", "top", "surface"] | None = Field(
         default=None,
-        description="where the palm faces the object from; surface: contacts drawn evenly over it, for the floating "
-        "world; by default side, and surface in the floating world",
+        description="where the palm faces the object from, by default side, and surface in the floating world; side: "
+        "from beside it; top: from above; surface: contacts drawn evenly over it, for the floating world",
     )
     roll: Angle = Field(default=0.0, description="rotation (rad) of the hand about the normal of its palm")
     height: Height = Field(

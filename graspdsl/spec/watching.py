@@ -17,6 +17,8 @@ from graspdsl.spec.outcomes import Outcome
 
 OFF: Literal["off"] = "off"
 AT_ONCE = 0.0  # s
+# What monitors take in place of a number, and what it means.
+SAID = {"on": "as by default", "off": "never", "stop": "at once"}
 
 Off = Annotated[Literal["off"], form("off"), WithJsonSchema({"enum": ["on", "off", True, False]})]
 StopOrOff = Annotated[Literal["off"], form("off"), WithJsonSchema({"enum": ["on", "off", "stop", True, False]})]

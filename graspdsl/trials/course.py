@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from graspdsl.arrays import Array, Flags, Rows
+from graspdsl.basis.algebra import length
 from graspdsl.basis.resources import ContactSet
 from graspdsl.compiler.graph import ControllerGraph
 from graspdsl.compiler.phase import conditions_lowered
@@ -25,7 +26,6 @@ from graspdsl.diagnostics import listed
 from graspdsl.spec.program import Until
 from graspdsl.spec.watching import Setting, Sight, When
 from graspdsl.trials.logbook import NEVER, Logbook
-from graspdsl.trials.measures import length
 from graspdsl.trials.outcomes import Ending, Outcome
 from graspdsl.worlds.protocol import (
     Command,
@@ -309,6 +309,8 @@ class Course:
         more."""
         for monitor in self._monitors_at[when]:
             ended = monitor.speaks(sight) & running & due
+            if not ended.any():
+                continue
             for place in np.flatnonzero(ended):
                 endings[int(place)] = Ending(monitor.outcome, monitor.detail(sight, int(place)))
             running &= ~ended

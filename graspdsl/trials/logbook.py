@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from graspdsl.arrays import Array, Float32Array, Rows
+from graspdsl.basis.algebra import length
 from graspdsl.basis.resources import ContactSet
 from graspdsl.compiler.pipeline import Pipeline, Ticks
-from graspdsl.trials.measures import GraspMeasure, length, measure, sensing_errors, true_contacts
+from graspdsl.trials.measures import GraspMeasure, measure, sensing_errors, true_contacts
 from graspdsl.trials.priorities import PriorityLog
 from graspdsl.trials.record import Balance
 from graspdsl.trials.tick_rows import Row, TickRows
@@ -107,7 +108,7 @@ class Logbook:
             "object_axis": truth.object_axis,
             "loads": truth.loads,
         }
-        pressing = np.einsum("...ki,...ki->...k", np.nan_to_num(truth.forces), normals)
+        pressing = np.vecdot(np.nan_to_num(truth.forces), normals)
         self._rows.put(tick, trials, row)
         self._exact.put(
             tick,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graspdsl.arrays import Array, Flags
-from graspdsl.basis.algebra import cross
+from graspdsl.basis.algebra import cross, length
 from graspdsl.basis.resources import ContactSet
 from graspdsl.worlds.protocol import Observation, Truth
 
@@ -35,11 +35,6 @@ class GraspMeasure:
     def orientation(self) -> Array:
         """Of the resources against the object's axis (...) [rad]."""
         return orientation(self.points, self.axis)
-
-
-def length(vectors: Array) -> Array:
-    """The Euclidean norm over the last axis, (...)."""
-    return np.asarray(np.sqrt(np.vecdot(vectors, vectors)))
 
 
 def true_contacts(observation: Observation, truth: Truth) -> tuple[Array, Array]:
@@ -77,9 +72,12 @@ def orientation(points: Array, axis: Array) -> Array:
     """
     if points.shape[-2] < 2:
         return np.full(points.shape[:-2], np.nan)
-    *_, directions = np.linalg.svd(points - points.mean(axis=-2, keepdims=True))
-    direction = directions[..., 0 if points.shape[-2] == 2 else 2, :]
-    cosines = np.minimum(1.0, np.abs(np.vecdot(direction, axis)))
+    if points.shape[-2] == 2:
+        along = points[..., 1, :] - points[..., 0, :]
+        sizes = np.maximum(length(along), np.finfo(float).tiny)
+    else:
+        along, sizes = np.linalg.svd(points - points.mean(axis=-2, keepdims=True))[2][..., 2, :], np.ones(())
+    cosines = np.minimum(1.0, np.abs(np.vecdot(along, axis)) / sizes)
     return np.array([math.acos(cosine) for cosine in cosines.ravel()]).reshape(cosines.shape)
 
 
@@ -87,7 +85,6 @@ def sensing_errors(observation: Observation, truth: Truth) -> tuple[Flags, Array
     """Which contacts touch, by feeling and in truth; the distances [m] of sensed from true contact points; and the sine
     and the cosine of the angles between their normals; (..., k) each."""
     both = observation.touching & np.isfinite(truth.points[..., 0])
-    distance = np.linalg.norm(observation.points - truth.points, axis=-1)
-    sine = np.linalg.norm(cross(observation.normals, truth.normals), axis=-1)
-    cosine = np.einsum("...ki,...ki->...k", observation.normals, truth.normals)
-    return both, np.asarray(distance), np.asarray(sine), cosine
+    distance = length(observation.points - truth.points)
+    sine = length(cross(observation.normals, truth.normals))
+    return both, distance, sine, np.asarray(np.vecdot(observation.normals, truth.normals))

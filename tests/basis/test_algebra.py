@@ -12,6 +12,7 @@ from graspdsl.basis.algebra import (
     damped_pseudo_inverse,
     in_columns,
     in_rows,
+    length,
     null_space_projector,
     scaled_transpose,
     skew,
@@ -19,6 +20,7 @@ from graspdsl.basis.algebra import (
     spherical_stretch,
     tangent_frames,
 )
+from graspdsl.basis.operations import approach, excess, gradient_projector, longest, pressing, times, transposed_times
 from graspdsl.contracts.drawing import generator, unit_vectors
 
 POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, -0.0, 1.0], [1e-9, 0.0, -1.0], [1.0, 0.0, -0.0]])
@@ -153,3 +155,39 @@ def test_inverses_and_projectors_take_batches() -> None:
             damped_pseudo_inverse(0.1, jacobians)[place], damped_pseudo_inverse(0.1, one), atol=1e-13
         )
         np.testing.assert_allclose(scaled_transpose(jacobians)[place], scaled_transpose(one), atol=1e-13)
+
+
+def test_the_projector_of_one_gradient_is_that_of_its_decomposition() -> None:
+    gradients = generator().normal(size=(200, 9)) * np.logspace(-7, 3, 200)[:, None]
+    rows = gradients[:, None] / np.linalg.norm(gradients, axis=-1)[:, None, None]
+    np.testing.assert_allclose(gradient_projector(gradients), null_space_projector(rows), atol=1e-12)
+    np.testing.assert_allclose(gradient_projector(gradients, gradients), null_space_projector(rows), atol=1e-12)
+    np.testing.assert_array_equal(gradient_projector(1e-10 * gradients[:1]), np.eye(9)[None])
+
+
+def test_operations_are_what_they_say_in_indices() -> None:
+    """And of each of many trials the same as of it alone, to the last bit."""
+    random = generator()
+    jacobian, vector, point = random.normal(size=(50, 9, 7)), random.normal(size=(50, 9)), random.normal(size=(50, 7))
+    blocks, normals = random.normal(size=(50, 3, 3, 7)), unit_vectors(random, 150).reshape(50, 3, 3)
+    errors, touching, fingers = random.normal(size=(50, 3, 3)), random.random((50, 3)) < 0.5, random.random((3, 7))
+    sizes = np.linalg.norm(errors, axis=-1)
+    into = np.einsum("tki,tkij->tkj", normals, blocks) * fingers
+    rate = np.where(touching, 0.0, 0.3 / np.maximum((into**2).sum(axis=-1), 0.05))
+    step = np.where(touching[..., None], 0.5 * errors / np.maximum(1.0, 0.5 * sizes / 0.2)[..., None], 0.0)
+    made = {
+        transposed_times: ((jacobian, vector), np.einsum("tij,ti->tj", jacobian, vector)),
+        times: ((jacobian, point), np.einsum("tij,tj->ti", jacobian, point)),
+        length: ((errors,), sizes),
+        along: ((errors, normals), (errors * normals).sum(axis=-1, keepdims=True) * normals),
+        longest: ((errors.reshape(50, 9),), sizes.max(axis=-1)),
+        excess: ((0.5, errors.reshape(50, 9)), np.maximum(1.0, sizes.max(axis=-1) / 0.5)),
+        pressing: ((0.5, 0.2, errors, touching.astype(float)), step),
+        approach: ((fingers, 0.3, blocks, normals, touching), np.einsum("tk,tkj->tj", rate, into)),
+    }
+    for function, (inputs, right) in made.items():
+        found = function(*inputs)
+        np.testing.assert_allclose(found, right, atol=1e-12)
+        for trial in range(50):
+            of_trial = [value[trial] if np.shape(value)[:1] == (50,) else value for value in inputs]
+            np.testing.assert_array_equal(function(*of_trial), found[trial])

@@ -14,6 +14,7 @@ from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.prelude import prelude
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.hands.descriptions import mounts
+from graspdsl.reference.kinds import KINDS
 from graspdsl.worlds.kinds import WORLDS
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
 
@@ -61,6 +62,7 @@ def test_a_specs_own_controllers_are_listed_and_explained(tmp_path: Path) -> Non
         "from": "own.yaml",
         "equation": "7.1",
         "stands for": "π_sgx|Γ Γ",
+        "in ASCII": "pi_sgx|G G",
         "use it": "my own way",
     }
     assert [entry for entry in listed if entry["controller"] == "π_mine|Γ Γ"] == [mine]
@@ -68,6 +70,40 @@ def test_a_specs_own_controllers_are_listed_and_explained(tmp_path: Path) -> Non
     assert "π_mine|Γ Γ ≡ π_sgx|Γ Γ  (Eq. 7.1) my own way" in graspdsl("explain", "own.yaml", cwd=tmp_path).stdout
     assert graspdsl("list", "hands", "own.yaml", cwd=tmp_path).returncode == 2
     assert graspdsl("list", "controllers", "other.yaml", cwd=tmp_path).returncode == 1
+
+
+def test_bare_list_says_what_can_be_listed(tmp_path: Path) -> None:
+    """Every kind, with how many there are and a line; each can be listed, in the terminal and as data."""
+    kinds = json.loads(graspdsl("list", "--json", cwd=tmp_path).stdout)["kinds"]
+    assert [kind["kind"] for kind in kinds] == [*KINDS]
+    assert all(int(kind["count"]) > 0 and kind["about"] for kind in kinds)
+    shown = graspdsl("list", cwd=tmp_path).stdout
+    assert all(name in shown for name in KINDS)
+    for kind in kinds:
+        rows = json.loads(graspdsl("list", kind["kind"], "--json", cwd=tmp_path).stdout)[kind["kind"]]
+        assert len(rows) == int(kind["count"])
+
+
+def test_hands_are_listed_with_what_resources_may_name(tmp_path: Path) -> None:
+    """Contacts and joint sets; of a hand file in the folder its name alone. What else a kind is called is heard."""
+    (tmp_path / "mine.yaml").write_text("hand: mine\n", "utf-8")
+    shown = graspdsl("list", "hands", cwd=tmp_path).stdout
+    assert all(name in shown for name in ("finger-1", "flexion", "distals", "mine.yaml"))
+    assert (
+        graspdsl("list", "touch", cwd=tmp_path).stdout.splitlines()[1:]
+        == (graspdsl("list", "sensing", cwd=tmp_path).stdout.splitlines()[1:])
+    )
+
+
+def test_a_code_is_explained_by_its_examples(tmp_path: Path) -> None:
+    """As text and as data; the rule of a contract by what it asks; what is no code is a formula."""
+    told = graspdsl("explain", "wrong-sensor", cwd=tmp_path).stdout
+    assert all(text in told for text in ("error[wrong-sensor]", "φ_fr|τ_frx(Γ) σ_mr(Γ)", "φ_fr|τ_frx(Γ) σ_fr(Γ)"))
+    data = json.loads(graspdsl("explain", "wrong-sensor", "--json", cwd=tmp_path).stdout)["diagnostic"]
+    assert (data["code"], data["right"]) == ("wrong-sensor", "φ_fr|τ_frx(Γ) σ_fr(Γ)")
+    assert "central differences" in graspdsl("explain", "contract-gradient", cwd=tmp_path).stdout
+    refused = graspdsl("explain", "wrong-senor", cwd=tmp_path)
+    assert (refused.returncode, "unexpected-word" in refused.stderr) == (1, True)
 
 
 def test_an_unknown_kind_is_wrong_use(tmp_path: Path) -> None:

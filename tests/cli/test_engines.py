@@ -56,7 +56,7 @@ def test_every_way_is_a_run_that_goes_on_and_is_held_against_its_measure(
 @pytest.mark.parametrize(
     ("spec", "words", "said"),
     [
-        ("specs/compare/cstar.yaml", (), "cstar.yaml:6:10: error[no-engine]: the floating world has no physics"),
+        ("specs/compare/cstar.yaml", (), "cstar.yaml:7:10: error[no-engine]: the floating world has no physics"),
         (SPEC, ("--worlds", "bulet,mujoco"), "error[unknown-world]: there is no engine 'bulet'"),
         (SPEC, ("--worlds", "floating"), "error[no-engine]: the floating world has no physics"),
         (

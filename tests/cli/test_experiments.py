@@ -110,7 +110,7 @@ def test_the_name_alone_makes_no_experiment(
     monkeypatch.chdir(tmp_path)
     code, messages = asked(named(tmp_path, "mine.yaml", (old, new)), *QUICK, "--out", "x")
     assert code == 1
-    assert "mine.yaml:2:7: error[other-experiment]: this is not the chapter's experiment-4" in messages
+    assert "mine.yaml:3:7: error[other-experiment]: this is not the chapter's experiment-4" in messages
     assert said in messages
     assert messages.count("error[") == 1
     assert not Path("x").exists()
@@ -133,7 +133,7 @@ def test_specs_of_one_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     code, messages = asked(first, second, "--out", "x")
     assert code == 1
     assert messages.startswith(
-        "b.yaml:3:7: error[same-name]: this spec and a.yaml, line 2, share the name experiment-4\n"
+        "b.yaml:4:7: error[same-name]: this spec and a.yaml, line 3, share the name experiment-4\n"
     )
     code, messages = asked(first, Path("a.yaml").absolute(), "--out", "x")
     assert code == 1

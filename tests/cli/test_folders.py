@@ -138,7 +138,7 @@ def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRu
         _cut(file, 1000)
     else:
         shutil.rmtree(file.parent)
-    answer = CliRunner().invoke(app, ["run", "--resume", "run", "--json"])
+    answer = CliRunner().invoke(app, ["run", "--resume", "run", "--json", "--no-report"])
     assert answer.exit_code == 0
     assert file.read_bytes() == whole
     assert sorted(path.name for path in file.parent.iterdir()) == [f"{number}.npz" for number in range(TRIALS)]

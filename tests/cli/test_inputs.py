@@ -72,9 +72,9 @@ def test_the_text_of_a_complaint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     _written(tmp_path, FORMULA, "φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)")
     answer = CliRunner().invoke(app, ["validate", "spec.yaml"])
     assert answer.stdout == (
-        "spec.yaml:26:29: error[wrong-reference]: φ_p needs a reference in contact positions (m); this one is a "
+        "spec.yaml:27:29: error[wrong-reference]: φ_p needs a reference in contact positions (m); this one is a "
         "gradient in ψ, surface coordinates of the contacts (rad on the model sphere)\n"
-        "  26 |   - run: φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)\n"
+        "  27 |   - run: φ_p|τ_p(Γ) σ_p(Γ) (π_g|Γ Γ)\n"
         "     |                             ^^^^^^^\n"
         "  hint: use a controller whose gradient is in Cartesian displacements of the contacts (m), as π_gx is\n"
     )

@@ -123,14 +123,16 @@ def test_messages_of_a_run(finished: FinishedRun) -> None:
 def test_numbers_do_not_depend_on_workers_or_on_how_many_trials_there_are(
     finished: FinishedRun, tmp_path: Path
 ) -> None:
-    words = ("run", SPEC, "--trials", "5", "--workers", "2", "--out", tmp_path / "run", "--json")
+    words = ("run", SPEC, "--trials", "5", "--workers", "2", "--out", tmp_path / "run", "--json", "--no-report")
     answer = graspdsl(*words, cwd=tmp_path)
     assert answer.returncode == 0
+    assert "report:" not in answer.stderr
+    assert not (tmp_path / "run" / "report.html").exists()
     assert numbers(json.loads(answer.stdout))[:TRIALS] == numbers(finished.document)
 
 
 def test_another_seed_gives_other_numbers(finished: FinishedRun, tmp_path: Path) -> None:
-    answer = graspdsl("run", SPEC, "--trials", "1", "--seed", "7", "--json", cwd=tmp_path)
+    answer = graspdsl("run", SPEC, "--trials", "1", "--seed", "7", "--json", "--no-report", cwd=tmp_path)
     document = json.loads(answer.stdout)
     assert document["seed"] == 7
     assert document["records"][0]["start"] != finished.document["records"][0]["start"]
@@ -142,7 +144,7 @@ def test_the_command_that_repeats_a_run(tmp_path: Path) -> None:
     first = graspdsl("run", SPEC, *settings, "--trials", "1", "--out", place, cwd=tmp_path)
     command = first.stdout.splitlines()[-1].strip()
     assert command.endswith(" --set scene.friction=0.5 --set 'evaluate=[]' --trials 1 --seed 2006")
-    again = graspdsl(*shlex.split(command)[1:], "--json", cwd=tmp_path)
+    again = graspdsl(*shlex.split(command)[1:], "--json", "--no-report", cwd=tmp_path)
     before = graspdsl("report", place, "--json", cwd=tmp_path)
     assert numbers(json.loads(again.stdout)) == numbers(json.loads(before.stdout))
 
@@ -184,7 +186,7 @@ def test_modes_say_of_which_trials_they_are(finished: FinishedRun) -> None:
 
 
 def test_runs_begun_at_once_get_folders_of_their_own(tmp_path: Path) -> None:
-    command = [PROGRAM, "run", SPEC, "--trials", "1", *SHORT, "--json"]
+    command = [PROGRAM, "run", SPEC, "--trials", "1", *SHORT, "--json", "--no-report"]
     runs = [subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(3)]
     documents = [json.loads(run.communicate(timeout=120)[0]) for run in runs]
     assert {document["run"] for document in documents} == {f"runs/towel-roll-two-contacts-00{n}" for n in (1, 2, 3)}

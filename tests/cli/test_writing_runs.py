@@ -44,9 +44,9 @@ def test_a_full_disk(size: int, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.new"))
     folder = RunFolder.open(tmp_path / "run")
     assert len(folder.finished()) == len(folder.records()) < int(COUNT)
-    resumed = graspdsl("run", "--resume", "run", "--json", cwd=tmp_path)
+    resumed = graspdsl("run", "--resume", "run", "--json", "--no-report", cwd=tmp_path)
     assert resumed.returncode == 0, resumed.stderr
-    whole = graspdsl("run", FLOATING, "--trials", COUNT, "--out", "whole", "--json", cwd=tmp_path)
+    whole = graspdsl("run", FLOATING, "--trials", COUNT, "--out", "whole", "--json", "--no-report", cwd=tmp_path)
     assert numbers(json.loads(resumed.stdout)) == numbers(json.loads(whole.stdout))
 
 

@@ -9,10 +9,10 @@ from graspdsl.arrays import Array
 from graspdsl.basis.laws import Descent
 from graspdsl.basis.potentials import POTENTIALS, Residual
 from graspdsl.basis.spaces import NET_FORCE
-from graspdsl.cli.listing import KINDS
 from graspdsl.compiler.explain import explained
 from graspdsl.compiler.program import Program, examine, program_of
 from graspdsl.contracts.potentials import RULES
+from graspdsl.reference.kinds import KINDS
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
 
@@ -82,7 +82,7 @@ def test_it_is_explained_and_listed() -> None:
     text = explained(program())[0].text()
     assert "φ_h  force residual that grows no faster than its length (Huber 1964, Sec. 3)" in text
     assert "−k∇φ_h" in text
-    [entry] = [entry for entry in KINDS["potentials"]() if entry["name"] == "φ_h"]
+    [entry] = [entry for entry in KINDS["potentials"].rows() if entry["name"] == "φ_h"]
     assert entry["about"] == Huber.about
 
 

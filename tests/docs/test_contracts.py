@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import re
 import runpy
-import shlex
 import tomllib
 from pathlib import Path
 
 import pytest
-from cli.program import TIMEOUT
 
-from cli import warm
 from graspdsl.contracts.kinds import CONTRACTS
 
-ROOT = Path(__file__).resolve().parents[2]
-PAGES = {path.stem: path.read_text("utf-8") for path in sorted((ROOT / "docs" / "contracts").glob("*.md"))}
+from .pages import PAGES as ALL_PAGES
+from .pages import ROOT, run_page
+
+PAGES = {Path(page).stem: text for page, text in ALL_PAGES.items() if page.startswith("contracts/")}
 STRANGER = ROOT / "tests" / "plugin"
-# Of a block: what a comment says of it, its language, its text.
-BLOCK = re.compile(r"(?:<!-- (\w+): (\S+) -->\n)?^```(\w+)\n(.*?)^```$", flags=re.S | re.M)
 EACH_PAGE = pytest.mark.parametrize("page", PAGES)
 OF_KINDS = [page for page in PAGES if page != "README"]
 EACH_KIND = pytest.mark.parametrize("page", OF_KINDS)
@@ -41,12 +39,6 @@ def test_the_index_leads_to_each() -> None:
 
 
 @EACH_PAGE
-def test_links_lead_somewhere(page: str) -> None:
-    links = re.findall(r"\]\(([^)#]+)[^)]*\)", PAGES[page])
-    assert [link for link in links if not (ROOT / "docs" / "contracts" / link).exists()] == []
-
-
-@EACH_PAGE
 def test_what_is_of_files_is_what_they_have(page: str) -> None:
     """Run docs/render_contracts.py where it is not."""
     rendered = runpy.run_path(str(ROOT / "docs" / "render_contracts.py"))["rendered"]
@@ -62,17 +54,9 @@ def test_a_page_has_an_example_its_entry_points_and_its_rules(page: str) -> None
     assert all(f"| `{code}` |" in text for code in CONTRACTS[kind])
 
 
-@EACH_PAGE
-def test_every_block_is_checked(page: str) -> None:
-    """A block is of a file, or a spec or its code, or commands that run."""
-    blocks = BLOCK.findall(PAGES[page])
-    assert PAGES[page].count("```") == 2 * len(blocks)
-    assert {mark or language for mark, _, language, _ in blocks} <= {"file", "project", "offers", "spec", "code", "sh"}
-
-
 @pytest.fixture(scope="module")
-def sites(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Where the stranger's package is installed, as an installer notes it, and where it is."""
+def surroundings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Those of a process in which the stranger's package is installed, as an installer notes it."""
     project = tomllib.loads((STRANGER / "pyproject.toml").read_text("utf-8"))["project"]
     name, version = project["name"], project["version"]
     site = tmp_path_factory.mktemp("site")
@@ -85,23 +69,11 @@ def sites(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         for line in (f"[{group}]", *(f"{entry} = {value}" for entry, value in entries.items()))
     ]
     (noted / "entry_points.txt").write_text("\n".join(lines), "utf-8")
-    return [site, STRANGER / "src"]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(STRANGER / "src")])}
 
 
 @pytest.mark.slow
 @EACH_PAGE
-def test_commands_run(page: str, sites: list[Path], tmp_path: Path) -> None:
+def test_commands_run(page: str, surroundings: dict[str, str], tmp_path: Path) -> None:
     """In their order, in a folder with the specs of the page; they have something to say and nothing to complain of."""
-    blocks = BLOCK.findall(PAGES[page])
-    for mark, name, _, text in blocks:
-        if mark in ("spec", "code"):
-            (tmp_path / name).write_text(text, "utf-8")
-    commands = [line for _, _, language, text in blocks if language == "sh" for line in text.splitlines()]
-    assert commands
-    for command in commands:
-        words = shlex.split(command)
-        assert words[0] == "graspdsl"
-        done = warm.run(words[1:], tmp_path, TIMEOUT, *sites)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert done.stdout
-        assert not re.search(r"^\S+: (error|warning)\[", done.stdout + done.stderr, flags=re.M), done.stderr
+    run_page(PAGES[page], tmp_path, surroundings)

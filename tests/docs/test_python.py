@@ -1,4 +1,4 @@
-"""The page on Python, and the README's block: they run as they stand, and what they claim is so."""
+"""The page on Python, and the README's block: what they claim is so."""
 
 from __future__ import annotations
 
@@ -11,29 +11,12 @@ import pytest
 
 import graspdsl as g
 
+from .pages import PAGES
 from .test_readme import blocks
 
 pytestmark = pytest.mark.slow
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGE = (DOCS / "python.md").read_text("utf-8")
-CLAIM = re.compile(r"^(?P<said>.*\S) +# → (?P<value>.*)$")
-
-
-def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All of its blocks in one process; a line that ends with → and a value has that value."""
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, Any] = {}
-    claims = 0
-    for block in re.findall(r"```python\n(.*?)```", PAGE, flags=re.S):
-        for part in re.split(r"^(.*# → .*\n)", block, flags=re.M):
-            claim = CLAIM.match(part)
-            if claim is None:
-                exec(part, names)
-            else:
-                assert repr(eval(claim["said"], names)) == claim["value"], claim["said"]
-                claims += 1
-    assert claims > 20
+PAGE = PAGES["python.md"]
 
 
 def test_the_page_has_every_name() -> None:

@@ -13,7 +13,8 @@ from graspdsl.compiler.program import examine
 from graspdsl.diagnostics import as_text
 from graspdsl.trials.outcomes import OUTCOMES
 
-ROOT = Path(__file__).resolve().parents[2]
+from .pages import ROOT
+
 README = (ROOT / "README.md").read_text("utf-8")
 BLOCKS = re.findall(r"(?:<!-- (\w+): (.*?) -->\n)?```(\w+)\n(.*?)```", README, flags=re.S)
 COMMANDS = [line for _, _, kind, text in BLOCKS if kind == "sh" for line in text.splitlines()]

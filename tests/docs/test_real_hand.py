@@ -1,4 +1,4 @@
-"""The page on hands of one's own: its code runs and prints what it shows. The example: it grasps, and it stops."""
+"""The page on hands of one's own: its formulas are so. The example: it grasps, and it stops."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,29 +25,15 @@ from graspdsl.compiler.program import program_of
 from graspdsl.hands.descriptions import joint_limits
 from graspdsl.worlds.real_hand import Reading
 
+from .pages import DOCS, PAGES
+
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "real_hand.md").read_text("utf-8")
-EXAMPLE = ROOT / "docs" / "examples" / "real_hand.py"
+PAGE = PAGES["real_hand.md"]
+EXAMPLE = DOCS / "examples" / "real_hand.py"
 NAMES = runpy.run_path(str(EXAMPLE))
 SPEC, TARING, MOST, GRASP = (NAMES[name] for name in ("SPEC", "TARING", "MOST", "grasp"))
 STOPPED = "the hand is told to stand still"
-
-
-def test_the_code_of_the_page_prints_what_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Blocks of Python, one after the other, each before the block of what it prints."""
-    monkeypatch.chdir(ROOT)
-    blocks = re.findall(r"```(\w+)\n(.*?)```", PAGE, flags=re.S)
-    assert {kind for kind, _ in blocks} == {"sh", "python", "text"}
-    names, printed = dict[str, object](), ""
-    for kind, text in blocks:
-        if kind == "python":
-            with contextlib.redirect_stdout(io.StringIO()) as said:
-                exec(compile(text, "real_hand.md", "exec"), names)
-            printed = said.getvalue()
-        elif kind == "text":
-            assert text == printed
 
 
 def test_the_pages_formula_of_the_gantry_is_where_the_hand_is() -> None:
@@ -90,13 +75,6 @@ def test_a_contact_moves_by_its_force_error_as_the_page_says() -> None:
             moved = along @ controller(replace(seen, forces=lacking)).command.displacement
             assert 1.0 < np.sum((weights * along) ** 2) < 4.0
             assert moved == pytest.approx(np.sum((weights * along) ** 2) * admittance * 0.1, rel=0.01)
-
-
-def test_the_page_names_what_there_is() -> None:
-    for target in re.findall(r"\]\(([^)]+)\)", PAGE):
-        assert (ROOT / "docs" / target).is_file()
-    commands = [text.strip() for kind, text in re.findall(r"```(\w+)\n(.*?)```", PAGE, flags=re.S) if kind == "sh"]
-    assert commands == [f"python {EXAMPLE.relative_to(ROOT)}"]
 
 
 # The example, its hand in a process of its own; however slow the computer is

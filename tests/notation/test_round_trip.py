@@ -10,14 +10,14 @@ from hypothesis import given
 
 from graspdsl.diagnostics import SourceText, Span
 from graspdsl.notation.parser import parse_expression, parse_head, parse_resources
-from graspdsl.notation.printer import Printable, to_ascii, to_unicode
+from graspdsl.notation.printer import Printable, to_ascii, to_latex, to_unicode
 from graspdsl.notation.tree import Expression, Head, Resources
 
 from . import strategies
 
 pytestmark = pytest.mark.slow
 
-SPELLINGS = pytest.mark.parametrize("spelling", [to_unicode, to_ascii])
+SPELLINGS = pytest.mark.parametrize("spelling", [to_unicode, to_ascii, to_latex])
 Spelling = Callable[[Printable], str]
 
 
@@ -42,6 +42,11 @@ def test_resources_read_back(tree: Resources, spelling: Spelling) -> None:
 @given(tree=strategies.expressions)
 def test_ascii_is_ascii(tree: Expression) -> None:
     assert to_ascii(tree).isascii()
+
+
+@given(tree=strategies.expressions)
+def test_latex_is_ascii(tree: Expression) -> None:
+    assert to_latex(tree).isascii()
 
 
 @given(tree=strategies.expressions)

@@ -61,6 +61,7 @@ def test_an_added_grade_is_listed_run_and_told() -> None:
         "name": "spread-out",
         "from": "graspdsl",
         "about": "whether the contacts lie far apart",
+        "definition": "Spread out: the contacts lie farther apart than a nut is wide.",
     }
     assert "spread-out" in json.loads(said("schema"))["properties"]["evaluate"]["items"]["enum"]
     words = ("run", str(SPEC), "--trials", "3", "--workers", "1", "--set", "evaluate=[spread-out, force-closure]")

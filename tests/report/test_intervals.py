@@ -14,6 +14,7 @@ from graspdsl.report.statistics import (
     peak_interval,
     percentile_interval,
     share_interval,
+    wilson,
 )
 
 
@@ -34,6 +35,8 @@ def test_the_median_s_interval_is_the_narrowest_that_covers(count: int) -> None:
 @pytest.mark.parametrize("count", [1, 2, 5, 28, 58, 400])
 def test_a_share_s_interval_is_exact(count: int) -> None:
     for part in range(count + 1):
+        score = stats.binomtest(part, count).proportion_ci(0.95, method="wilson")
+        assert wilson(part, count) == pytest.approx((score.low, score.high), abs=1e-12)
         found = stats.binomtest(part, count).proportion_ci(0.95, method="exact")
         assert share_interval(part, count) == pytest.approx((found.low, found.high), abs=1e-9)
 

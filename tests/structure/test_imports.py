@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 
 # A package may import those of the rows above its own, and itself.
 ORDER = (
-    {"diagnostics", "arrays", "units", "declared"},
+    {"diagnostics", "arrays", "units", "declared", "specs"},
     {"places", "angles"},
     {"notation"},
     {"models"},
@@ -31,13 +31,15 @@ ORDER = (
     {"compiler"},
     {"trials"},
     {"contracts"},
+    {"reference"},
     {"report"},
     {"api"},
+    {"editor"},
     {"cli"},
 )
 ROW = {package: row for row, packages in enumerate(ORDER) for package in packages}
 
-FOLDERS = {"graspdsl": ROOT / "graspdsl", "graspdsl.cli": ROOT / "cli"}
+FOLDERS = {"graspdsl": ROOT / "graspdsl", "graspdsl.cli": ROOT / "cli", "graspdsl.specs": ROOT / "specs"}
 MODULES = {
     ".".join((package, *path.relative_to(folder).with_suffix("").parts)).removesuffix(".__init__"): path
     for package, folder in FOLDERS.items()
@@ -128,6 +130,11 @@ def test_only_models_and_the_mujoco_world_import_mujoco() -> None:
     assert not [name for name in _importers("mujoco") if not name.startswith(allowed)]
 
 
+@pytest.mark.parametrize("library", ["pygls", "lsprotocol"])
+def test_only_the_language_server_knows_its_protocol(library: str) -> None:
+    assert _importers(library) == {"graspdsl.cli.lsp"}
+
+
 def test_tactile_sensors_know_no_engine() -> None:
     touch = [module for module in MODULES if module.startswith("graspdsl.worlds.touch")]
     assert len(touch) > 1
@@ -185,8 +192,9 @@ def test_packages_of_the_project_are_the_folders_there_are() -> None:
     """A package that is not listed works in place and is missing from the wheel."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
     folders = {module for module, path in MODULES.items() if path.name == "__init__.py"}
-    assert set(settings["packages"]) == folders
-    assert len(settings["packages"]) == len(folders)
+    pages = {"graspdsl.docs"}  # with their scripts, which are no modules
+    assert set(settings["packages"]) == folders | pages
+    assert len(settings["packages"]) == len(folders | pages)
 
 
 @EACH_MODULE

@@ -33,21 +33,32 @@ def test_the_wheel_works_on_its_own(tmp_path: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)
     assert not (site / "cli").exists()
-    environment = {**os.environ, "PYTHONPATH": str(site)}
     script = (
         "import sys, graspdsl, graspdsl.cli; "
         f"assert graspdsl.__path__[0].startswith({str(site)!r}), graspdsl.__path__; "
         "from graspdsl.objects.shapes import catalogue; assert catalogue(); "
-        "sys.argv = ['graspdsl', 'run', sys.argv[1], '--trials', '1', '--workers', '1']; graspdsl.cli.main()"
+        "graspdsl.cli.main()"
     )
-    spec = ROOT / "specs" / "towel_roll_two_contacts.yaml"
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(spec)],
-        env=environment,
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert "1 of 1 trials" in done.stdout or "0 of 1 trials" in done.stdout
+    empty = tmp_path / "empty"
+    empty.mkdir()
+
+    def answer(*words: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", script, *words],
+            env={**os.environ, "PYTHONPATH": str(site)},
+            cwd=empty,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert "slide-with-posture" in answer("list", "specs")
+    assert answer("init", "--from", "4.13") == "grasp.yaml\n"
+    assert "Eq. 4.13" in (empty / "grasp.yaml").read_text("utf-8")
+    assert "φ_fr" in answer("explain", "grasp.yaml")
+    assert "of 2 trials" in answer("run", "grasp.yaml", "--trials", "2", "--workers", "1")
+    assert answer("init", "mine.yaml") == "mine.yaml\n"
+    assert "of 1 trials" in answer("run", "mine.yaml", "--trials", "1", "--workers", "1")
+    assert answer("fmt", "--check", "grasp.yaml", "mine.yaml") == ""

@@ -12,10 +12,10 @@ from compiler.specs import floating
 from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
-from graspdsl.cli.listing import KINDS
 from graspdsl.compiler.explain import explained
 from graspdsl.compiler.program import examine, missing_engine, program_of
 from graspdsl.diagnostics import DiagnosticError, Severity
+from graspdsl.reference.kinds import KINDS
 from graspdsl.trials.identity import versions
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.runner import new_run
@@ -92,7 +92,7 @@ def test_a_strangers_world_is_checked_explained_run_and_listed(sticky: str) -> N
     first, second = (trial.trajectory["points"][:2].astype(float) for trial in (slow, fast))
     np.testing.assert_array_equal(first[0], second[0])
     assert 0.3 < np.linalg.norm(first[1] - first[0]) / np.linalg.norm(second[1] - second[0]) < 0.7
-    assert ("sticky", Sticky.about) in [(row["name"], row["about"]) for row in KINDS["worlds"]()]
+    assert ("sticky", Sticky.about) in [(row["name"], row["about"]) for row in KINDS["worlds"].rows()]
 
 
 def test_messages_name_a_strangers_world(sticky: str) -> None:

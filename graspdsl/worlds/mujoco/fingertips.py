@@ -13,12 +13,15 @@ from graspdsl.worlds.mujoco.scene import MujocoScene
 from graspdsl.worlds.mujoco.state import State
 from graspdsl.worlds.touch.fingertip_sensor import Fingertip
 
+Met = list[tuple[Array, Array, Array]]  # points, normals and forces of the contacts of each tip
+
 
 class MujocoFingertips:
     """The fingertips of a hand before the object of a scene; as tactile sensors and the truth have them."""
 
     def __init__(self, state: State, hand: MujocoHand, scene: MujocoScene) -> None:
         self._state, self._hand, self._scene = state, hand, scene
+        self._met: tuple[object, Met] = None, []
 
     @property
     def tips(self) -> Sequence[Fingertip]:
@@ -36,8 +39,8 @@ class MujocoFingertips:
     def contacts(self) -> tuple[Array, Array, Array]:
         """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
         answer = np.full((3, len(self.tips), 3), np.nan)
-        for row, (points, normals, forces) in enumerate(self._scene.touches(self._hand.tip_geoms)):
-            weights = np.einsum("ci,ci->c", normals, forces)
+        for row, (points, normals, forces) in enumerate(self._touches()):
+            weights = np.vecdot(normals, forces)
             if not weights.size:
                 continue
             normal = weights @ normals
@@ -48,8 +51,14 @@ class MujocoFingertips:
 
     def presses(self) -> list[tuple[Array, Array]]:
         """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
-        found = self._scene.touches(self._hand.tip_geoms)
-        return [(points, np.einsum("ci,ci->c", normals, forces)) for points, normals, forces in found]
+        return [(points, np.vecdot(normals, forces)) for points, normals, forces in self._touches()]
+
+    def _touches(self) -> Met:
+        """Where each tip presses on the object, looked up once a step."""
+        pressing = self._state.pressing
+        if self._met[0] is not pressing:
+            self._met = pressing, self._scene.touches(self._hand.tip_geoms)
+        return self._met[1]
 
     def nearest(self, within: float) -> list[tuple[float, Array] | None]:
         """The distance [m] of the object from each fingertip, negative for a dent, and the tip's nearest point (3,)."""

@@ -110,19 +110,20 @@ class MujocoHand:
 
     def tip_jacobians(self, places: Sequence[Array]) -> tuple[Array, Array]:
         """Linear and angular Jacobians (k, 3, n) of a point (3,) fixed in the frame of each fingertip."""
-        pairs = [self._jacobians(body, place) for body, place in zip(self._tip_bodies, places, strict=True)]
-        return np.array([linear for linear, _ in pairs]), np.array([angular for _, angular in pairs])
+        linear, angular = self._jacobians(self._tip_bodies, places)
+        return linear, angular
 
     def face_frame(self) -> tuple[Array, Array]:
         """Origin (3,) and rotation (3, 3) of the mounting face."""
         return self._state.placed.xpos[self._face].copy(), self._state.placed.xmat[self._face].reshape(3, 3).copy()
 
-    def _jacobians(self, body: int, place: Array) -> tuple[Array, Array]:
-        linear, angular = np.zeros((2, 3, self._model.nv))
-        data = self._state.placed
-        point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ place
-        mujoco.mj_jac(self._model, data, linear, angular, point, body)
-        return linear[:, self._motions] @ self.coupling, angular[:, self._motions] @ self.coupling
+    def _jacobians(self, bodies: Sequence[int], places: Sequence[Array]) -> Array:
+        """Linear and angular Jacobians (2, k, 3, n) of points (3,) fixed in the frames of k bodies."""
+        found, data = np.zeros((2, len(bodies), 3, self._model.nv)), self._state.placed
+        for row, (body, place) in enumerate(zip(bodies, places, strict=True)):
+            point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ place
+            mujoco.mj_jac(self._model, data, found[0, row], found[1, row], point, body)
+        return np.asarray(found[..., self._motions] @ self.coupling)
 
     def links_beyond(self, joints: Sequence[str]) -> set[int]:
         """The links that these joints move."""
@@ -143,7 +144,7 @@ class MujocoHand:
 
     def palm(self) -> Palm:
         """The palm at the origin of its link."""
-        jacobian = np.vstack(self._jacobians(self._palm, np.zeros(3)))
+        jacobian = np.concatenate(self._jacobians([self._palm], [np.zeros(3)])[:, 0])
         frame = self._state.placed.xmat[self._palm].reshape(3, 3)
         return Palm(self._state.placed.xpos[self._palm].copy(), frame.copy(), jacobian)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graspdsl.arrays import Array, Flags
+from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.objects.shapes import Body
 from graspdsl.worlds.camera import box_corners
@@ -74,20 +74,13 @@ class MujocoScene:
         points = np.concatenate(corners)
         return box_corners(points.min(axis=0), points.max(axis=0))
 
-    def pressing(self) -> Flags:
-        """Which contacts carry a force."""
-        data = self._data
-        address = data.contact.efc_address
-        able = address >= 0
-        carries = np.zeros(len(able), dtype=bool)
-        carries[able] = data.efc_force[address[able]] > 0.0
-        return carries
-
     def touches(self, geoms: Sequence[int]) -> list[tuple[Array, Array, Array]]:
         """Of each of some geoms, where it presses on the object: points (c, 3) [m], normals into that, forces on it."""
         data = self._data
-        rows = np.flatnonzero(self._is_mine[data.contact.geom].any(axis=1) & self.pressing())
-        pairs, second = data.contact.geom[rows], self._is_mine[data.contact.geom[rows, 1]]
+        rows, pairs = self._state.pressing
+        mine = self._is_mine[pairs]
+        met = mine.any(axis=1)
+        rows, pairs, second = rows[met], pairs[met], mine[met, 1]
         others, frames = np.where(second, pairs[:, 0], pairs[:, 1]), data.contact.frame[rows].reshape(-1, 3, 3)
         # The engine tells what geom 2 feels, along the axes of the contact, the first its normal from geom 1 to geom 2.
         along = data.efc_force[data.contact.efc_address[rows, None] + np.arange(3)]
@@ -95,6 +88,6 @@ class MujocoScene:
         points, normals, forces = (
             data.contact.pos[rows],
             sign * frames[:, 0],
-            sign * np.einsum("cs,csi->ci", along, frames),
+            sign * np.vecmat(along, frames),
         )
         return [(points[others == geom], normals[others == geom], forces[others == geom]) for geom in geoms]

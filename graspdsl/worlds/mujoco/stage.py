@@ -129,7 +129,7 @@ class MujocoStage:
 
     def _pressing(self, others: list[int]) -> set[int]:
         """The robot's geoms that press on one of some geoms."""
-        pairs = self.state.data.contact.geom[self.scene.pressing()].tolist()
+        pairs = self.state.pressing[1].reshape(-1, 2).tolist()
         met = {mine for one, two in pairs for mine, other in ((one, two), (two, one)) if other in others}
         return met & self.hand.link_of.keys()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import length
 from graspdsl.spec.sensing import Exact
 from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 
@@ -21,7 +22,7 @@ class ExactContacts(FingertipSensor):
         """The true forces (k,) [N]."""
         del step
         self.truth, self.frames = self.hand.contacts(), frames
-        return np.asarray(np.nan_to_num(np.linalg.norm(self.truth[2], axis=1)))
+        return np.asarray(np.nan_to_num(length(self.truth[2])))
 
     def contact(self, tip: int) -> TipContact:
         """The true contact of a tip."""

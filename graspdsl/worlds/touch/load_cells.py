@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import cross
+from graspdsl.basis.algebra import cross, length
 from graspdsl.spec.sensing import LoadCell
 from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
 from graspdsl.worlds.touch.signals import Flaws
@@ -45,19 +45,18 @@ class LoadCells(FingertipSensor):
 
     def _loads(self, step: int, frames: Frames) -> Array:
         """The (k, 6) loads that the object puts on the tips, about their shapes' centres, in the tips' frames."""
-        loads = []
-        down = np.array([0.0, 0.0, -self.gravity])
-        for tip, (_, rotation), raw in zip(self.hand.tips, frames, super().read(step), strict=True):
-            # The joint answers what it holds up against: minus the object's load and the weight of the tip.
-            weight = tip.mass * (rotation.T @ down)
-            moment = -raw[3:] + cross(tip.weight_lever, -raw[:3])
-            loads.append(np.concatenate([-raw[:3] - weight, moment - cross(tip.weight_lever, weight)]))
-        return np.array(loads)
+        tips, raw = self.hand.tips, super().read(step)
+        masses = np.array([tip.mass for tip in tips])
+        levers = np.array([tip.weight_lever for tip in tips])
+        # Along the rows of the rotations; the joint holds up the weights of the tips, and answers to the object's load.
+        weights = (-self.gravity * masses)[:, None] * np.array([rotation[2] for _, rotation in frames])
+        forces = -raw[:, :3] - weights
+        return np.concatenate([forces, cross(levers, forces) - raw[:, 3:]], axis=1)
 
     def strengths(self, step: int, frames: Frames) -> Array:
         """The forces (k,) [N] of the loads, friction and all."""
         self.loads, self.frames = self._loads(step, frames) - self.zero, frames
-        return np.array([np.linalg.norm(load[:3]) for load in self.loads])
+        return length(self.loads[:, :3])
 
     def contact(self, tip: int) -> TipContact:
         """Where the load of a tip acts."""
