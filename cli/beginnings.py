@@ -31,6 +31,9 @@ def refuse_place(example: str, place: Path, *beside: Path) -> None:
 def refuse_spec(example: str, place: Path, *, force: bool) -> None:
     """Raises DiagnosticError for a name that is none of a spec, and where there is a file already, unless by force."""
     _refuse_name(place, f"for example: graspdsl init {example}")
+    if place.is_dir():
+        hint = f"name a file, for example: graspdsl init {example}"
+        raise DiagnosticError([Diagnostic("is-a-directory", "this is a directory, not a file", hint=hint)], str(place))
     if os.path.lexists(place) and not force:
         hint = f"name another file, graspdsl init {example}, or write over it: --force"
         raise DiagnosticError([Diagnostic("file-exists", "this file is there already", hint=hint)], str(place))

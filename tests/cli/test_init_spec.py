@@ -78,14 +78,16 @@ def test_what_is_written_runs(tmp_path: Path) -> None:
         ("--world floating --controller pi_nothing", 1, "error[unknown-controller]"),
         ("--sensing hearing", 1, "hearing"),
         ("mine.txt", 1, "error[unknown-suffix]"),
+        ("folder.yaml --force", 1, "error[is-a-directory]"),
     ],
 )
 def test_what_cannot_be_is_told(words: str, code: int, told: str, tmp_path: Path) -> None:
     (tmp_path / "part.obj").write_text(CORNER, "utf-8")
+    (tmp_path / "folder.yaml").mkdir()
     answer = graspdsl("init", *words.split(), cwd=tmp_path)
     assert answer.returncode == code
     assert told in answer.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["part.obj"]
+    assert {path.name for path in tmp_path.iterdir()} == {"part.obj", "folder.yaml"}
 
 
 def test_specs_that_ship(tmp_path: Path) -> None:
