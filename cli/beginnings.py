@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
@@ -11,11 +10,6 @@ from graspdsl.models.model import Model
 from graspdsl.models.reading import read_model
 from graspdsl.places.files import SpecFolder
 from graspdsl.places.folders import SUFFIXES
-
-
-def slug(name: str, otherwise: str) -> str:
-    """A name as a hand or a mount has one; ``otherwise`` where nothing of it can be kept."""
-    return re.sub(r"[^\w.-]+", "-", name).strip("-_.")[:60].rstrip("-_.") or otherwise
 
 
 def refuse_place(example: str, place: Path, *beside: Path) -> None:

@@ -15,7 +15,7 @@ from typing import TypeVar
 import typer
 
 from graspdsl.basis.prelude import Definition, prelude
-from graspdsl.cli.beginnings import refuse_spec, slug
+from graspdsl.cli.beginnings import refuse_spec
 from graspdsl.cli.inputs import judged
 from graspdsl.cli.messages import complain, result, say
 from graspdsl.compiler.program import Examination, Program, examine
@@ -38,6 +38,7 @@ from graspdsl.models.mesh_files import FORMATS
 from graspdsl.notation.names import canonical
 from graspdsl.objects.shapes import catalogue
 from graspdsl.places.files import SpecFolder
+from graspdsl.places.wording import slug
 from graspdsl.plugins.adoption import adopted_all
 from graspdsl.plugins.kinds import KINDS, OF_OTHERS
 from graspdsl.report.writing import replace as write_files
@@ -272,7 +273,7 @@ class _Making:
         things = f"{listed(self._contacts)} on {_called(self._scene['object'])}"
         way = f", from {'the side' if self._start[0].endswith('side') else 'above'}" if self._start else ""
         return FirstSpec(
-            slug(self._place.stem, "grasp"),
+            slug(self._place.stem) or "grasp",
             f"{things}{way}.",
             scene_lines(self._scene, NOTES),
             self._contacts,

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from graspdsl.cli.beginnings import found_model, refuse_place, slug
+from graspdsl.cli.beginnings import found_model, refuse_place
 from graspdsl.cli.inputs import judged
 from graspdsl.cli.messages import WRONG_INPUT, complain, result, say
 from graspdsl.cli.viewing import view_hand
@@ -15,6 +15,7 @@ from graspdsl.hands.guess import guessed_hand
 from graspdsl.hands.guess_file import hand_text, spec_text
 from graspdsl.hands.mount_guess import guessed_mount, mount_text
 from graspdsl.models.model import HINGES
+from graspdsl.places.wording import slug
 from graspdsl.report.writing import replace
 from graspdsl.worlds.kinds import rigid_bodies
 
@@ -24,8 +25,8 @@ def init_hand(model: Path, out: Path | None, root: str) -> int:
 
     Returns the exit code: that of a hand file which still asks for something is the one of wrong input.
     """
-    place = out or Path(f"{slug(model.stem, 'hand')}.yaml")
-    name = slug(place.stem, "hand")
+    place = out or Path(f"{slug(model.stem) or 'hand'}.yaml")
+    name = slug(place.stem) or "hand"
     spec = place.with_name(f"{place.stem}_grasp.yaml")
     pictures = [place.with_name(f"{place.stem}-{posture}.png") for posture in ("open", "closed")]
     refuse_place("my_hand.yaml", place, spec, *pictures)
@@ -49,7 +50,7 @@ def init_mount(model: Path, out: Path | None, face: str) -> int:
 
     Returns the exit code: that of a file which still asks for something is the one of wrong input.
     """
-    name = slug((out or model).stem, "arm")
+    name = slug((out or model).stem) or "arm"
     place = out or Path(f"{name}.yaml")
     refuse_place("my_arm.yaml", place)
     with reading(str(model)):

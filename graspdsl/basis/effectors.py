@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import in_columns, skew
+from graspdsl.basis.algebra import in_columns, in_rows, skew
 from graspdsl.basis.entry import Entry
 from graspdsl.basis.spaces import GradientSpace
 
@@ -337,7 +337,7 @@ def _mixed(mixing: Array, jacobians: Array) -> Array:
     """The Jacobians (..., 3m, n) of the resources in a mixing matrix (m, k), from those of the contacts."""
     *batch, _, rows, joints = jacobians.shape
     each = mixing @ jacobians.reshape(*batch, mixing.shape[-1], rows * joints)
-    return np.asarray(each.reshape(*batch, len(mixing) * rows, joints))
+    return in_rows(each.reshape(*batch, len(mixing), rows, joints))
 
 
 def _pressing(jacobian: Array, normals: Array) -> Array:

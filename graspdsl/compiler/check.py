@@ -64,7 +64,7 @@ class Checker:
                 continue
             self.complaints.about(definition.path)
             self._over_anything(definition).stages(definition.body)
-            if not doubtful.isdisjoint(abbreviations_in(definition.body)):
+            if not doubtful.isdisjoint(used.name.text for used in abbreviations_in(definition.body)):
                 doubtful.add(name)
                 self.complaints.found[before:] = [f for f in self.complaints.found[before:] if f.code != TOO_LARGE]
             if self.complaints.of_definition(before):

@@ -82,7 +82,7 @@ def used_in(tree: Expression | None, definitions: Mapping[str, Definition]) -> t
     found: dict[str, Definition] = {}
     waiting = [tree]
     while waiting:
-        names = dict.fromkeys(abbreviations_in(waiting.pop(0)))
+        names = dict.fromkeys(used.name.text for used in abbreviations_in(waiting.pop(0)))
         new = [definitions[name] for name in names if name in definitions and name not in found]
         found.update({definition.head.name.text: definition for definition in new})
         waiting += [definition.body for definition in new]
@@ -98,7 +98,7 @@ def in_order_of_use(definitions: Mapping[str, Definition]) -> Iterator[Definitio
         name = waiting[-1]
         if name not in begun:
             begun.add(name)
-            used = dict.fromkeys(abbreviations_in(definitions[name].body))
+            used = dict.fromkeys(each.name.text for each in abbreviations_in(definitions[name].body))
             waiting += [other for other in used if other in definitions and other not in begun]
             continue
         waiting.pop()
@@ -107,13 +107,13 @@ def in_order_of_use(definitions: Mapping[str, Definition]) -> Iterator[Definitio
             yield definitions[name]
 
 
-def abbreviations_in(tree: Expression | Reference | None) -> Iterator[str]:
-    """The names of the controllers in an expression, in the order of the formula."""
+def abbreviations_in(tree: Expression | Reference | Resources | None) -> Iterator[Abbreviation]:
+    """The uses of named controllers in an expression, in the order of the formula."""
     match tree:
         case Controller():
             yield from abbreviations_in(tree.reference)
         case Abbreviation():
-            yield tree.name.text
+            yield tree
             yield from abbreviations_in(tree.reference)
         case SubjectTo(parts) | Then(parts):
             for part in parts:

@@ -18,6 +18,7 @@ from graspdsl.notation.papers import Equation, definitions_in
 from graspdsl.notation.parser import parse_definition, parse_expression, parse_head, parse_resource_definition
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.tree import Expression, Head
+from graspdsl.places.wording import slug
 
 SUFFIX = "_paper"  # of a name that the prelude has
 _MOST_TRIED = 4  # controllers, of which one is to be run
@@ -142,8 +143,12 @@ def _written(
         formula = to_unicode(run.head)
     else:
         formula = "π_close|Γ Γ"
-    slug = re.sub(r"[^\w.-]+", "-", Path(name).stem).strip("-_.")[:60].rstrip("-_.") or "paper"
-    rows = ["graspdsl: 1", f"name: {_scalar(slug)}", f"about: {_scalar(f'The definitions in {name}.')}", ""]
+    rows = [
+        "graspdsl: 1",
+        f"name: {_scalar(slug(Path(name).stem) or 'paper')}",
+        f"about: {_scalar(f'The definitions in {name}.')}",
+        "",
+    ]
     rows += ["scene: {world: bullet, hand: barrett, mount: gantry, object: towel-roll}"]
     rows += [f"control: {{displacement: {displacement}}}"] if displacement != "sliding" else []
     rows += ["", "resources:", *(f"  {key}: {_scalar(value)}" for key, value in (around.resources or {}).items())]

@@ -9,7 +9,7 @@ from graspdsl.editor.sheet import Place
 from graspdsl.places.document import Path
 
 _KEY = re.compile(r"""\s*("(?:[^"\\]|\\.)*"|'(?:[^']|'')*'|[^\s"'#][^#]*?)\s*:(?=\s|$)[ \t]*""")
-_PROPERTIES = re.compile(r"(?:[&!]\S*\s+)*")
+_PROPERTIES = re.compile(r"\A(?:[&!]\S*\s+)+")
 _COMMENT = re.compile(r"(?:^|(?<=\s))#.*")
 
 
@@ -100,7 +100,7 @@ class _Scanner:
         self.levels = [at for at in self.levels if at.indent < indent or (not for_key and at.indent == indent)]
 
     def _value(self, text: str, indent: int) -> None:
-        text = text[_PROPERTIES.match(text).end() :]  # type: ignore[union-attr]  # the pattern matches the empty text
+        text = _PROPERTIES.sub("", text)
         if re.match(r"[|>][-+0-9]*\s*(#|$)", text):
             self.block = indent
         elif text[:1] in ("{", "[", "'", '"'):

@@ -13,7 +13,7 @@ from graspdsl.basis.sensors import SENSORS
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.compiler.check import MOST_DEPTH, Checker
 from graspdsl.compiler.complaints import Complaints
-from graspdsl.compiler.definitions import expanded
+from graspdsl.compiler.definitions import abbreviations_in, expanded
 from graspdsl.compiler.resources import GRAVITY, ResourceTable
 from graspdsl.diagnostics import DiagnosticError, Span, listed
 from graspdsl.editor.cursor import key_at
@@ -144,19 +144,7 @@ def _around(formula: Formula | None, use: Use) -> Abbreviation | None:
     """The use of a controller with its resources and its reference; None in a head."""
     if formula is None or formula.tree is None or isinstance(formula.tree, Head):
         return None
-    return next((tree for tree in _abbreviations(formula.tree) if tree.name.span == use.span), None)
-
-
-def _abbreviations(tree: Expression | Resources | Reference | None) -> Iterator[Abbreviation]:
-    match tree:
-        case Abbreviation():
-            yield tree
-            yield from _abbreviations(tree.reference)
-        case Controller():
-            yield from _abbreviations(tree.reference)
-        case SubjectTo(parts) | Then(parts):
-            for part in parts:
-                yield from _abbreviations(part)
+    return next((tree for tree in abbreviations_in(formula.tree) if tree.name.span == use.span), None)
 
 
 def _potentials(tree: Expression | Reference | Resources | None) -> Iterator[str]:

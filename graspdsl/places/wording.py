@@ -16,6 +16,11 @@ def shortened(text: str, width: int = 60) -> str:
     return text if len(text) <= width else text[: width - 1] + "…"
 
 
+def slug(text: str) -> str:
+    """A text as a name that a file may have, of letters, digits, '-', '_' and '.'; empty where none is left."""
+    return re.sub(r"[^\w.-]+", "-", text).strip("-_.")[:60].rstrip("-_.")
+
+
 def shown(value: object) -> str:
     """What a value is, in words: ``the text 'abc'``, ``a mapping``, ``nothing``."""
     if value is None:

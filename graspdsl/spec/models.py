@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from graspdsl.places.fields import Model, Number, fault, form, forms, is_number, name_in
-from graspdsl.places.wording import shown
+from graspdsl.places.wording import shown, slug
 from graspdsl.spec.grading import Grading
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
@@ -27,10 +27,10 @@ def _version(value: Any) -> Any:
 def folder_name(name: str) -> str:
     """A name that may become part of a folder's name, on any system; refuses others."""
     if not re.fullmatch(r"[^\W_](?:[\w.-]{0,58}\w)?", name):
-        slug = re.sub(r"[^\w.-]+", "-", name).strip("-_.")[:60].rstrip("-_.")
+        near = slug(name)
         message = f"expected a name of up to 60 letters, digits, '-', '_' and '.', found {shown(name)}"
-        hint = f"write {slug}" if slug else "for example towel-roll-two-contacts"
-        raise fault("bad-name", message, hint, slug or None)
+        hint = f"write {near}" if near else "for example towel-roll-two-contacts"
+        raise fault("bad-name", message, hint, near or None)
     return name
 
 

@@ -44,7 +44,7 @@ def mended(editor: Editor, uri: str) -> str:
         if not editor.shown[uri]:
             return editor.texts[uri]
         [edits] = [
-            list(actions[0].edit.changes[uri])  # type: ignore[union-attr, index]
+            list(actions[0].edit.changes[uri])
             for _, actions in [next((said, each) for said, each in each_action(editor, uri) if each)]
         ]
         editor.write(uri, applied(editor.texts[uri], edits))
@@ -66,7 +66,7 @@ def test_planted_mistakes_are_mended_by_the_messages_of_the_protocol_alone(edito
     examination = examine(sound, "mended.yaml")
     assert examination.program is not None
     assert examination.diagnostics == ()
-    assert examination.program.spec == examine(SPEC, "towel.yaml").program.spec  # type: ignore[union-attr]
+    assert examination.program.spec == examine(SPEC, "towel.yaml").program.spec
     editor.close(uri)
 
 
@@ -159,7 +159,7 @@ def test_names_and_signs_of_a_formula_are_offered_in_any_spelling(editor: Editor
     assert not unwanted & offered
     text = editor.texts[uri]
     for item in items:
-        written = text[offset(text, item.text_edit.range.start) : offset(text, item.text_edit.range.end)]  # type: ignore[union-attr]
+        written = text[offset(text, item.text_edit.range.start) : offset(text, item.text_edit.range.end)]
         assert begun.endswith(written)
         assert item.filter_text in (None, written)
     editor.close(uri)

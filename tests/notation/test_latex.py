@@ -133,7 +133,7 @@ def test_names(latex: str, name: str) -> None:
 
 def test_places_are_those_of_the_source() -> None:
     tree = parse_expression(SourceText.of("\\pi_a|^{\\Gamma}_{\\gamma_{1}}\n \\triangleleft \\pi_b", line=7, column=5))
-    first, second = tree.terms  # type: ignore[union-attr]  # a composition
+    first, second = tree.terms  # a composition
     assert (first.span, second.span) == (Span(7, 5, 7, 32), Span(8, 16, 8, 21))
     assert first.effector[0].span == Span(7, 22, 7, 32)
 

@@ -9,7 +9,7 @@ from graspdsl.hands.descriptions import hands, mounts
 from graspdsl.notation.parser import parse_expression
 from graspdsl.notation.printer import to_ascii
 from graspdsl.reference import grammar
-from graspdsl.reference.keys import parts
+from graspdsl.reference.keys import Key, parts
 from graspdsl.reference.kinds import KINDS
 from graspdsl.spec.monitors import OUTCOMES
 
@@ -27,9 +27,9 @@ def test_rows_of_a_kind_have_the_same_columns_and_a_name_once(kind: str) -> None
 
 
 @pytest.mark.parametrize(("place", "key"), NAMED, ids=lambda each: getattr(each, "name", each))
-def test_every_value_that_a_key_may_have_has_its_line(place: str, key: object) -> None:
+def test_every_value_that_a_key_may_have_has_its_line(place: str, key: Key) -> None:
     del place
-    assert [name for name, line in getattr(key, "values").items() if not line] == []  # noqa: B009
+    assert [name for name, line in key.values.items() if not line] == []
 
 
 def test_values_are_found_with_their_lines() -> None:
