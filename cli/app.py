@@ -28,6 +28,14 @@ app = typer.Typer(
 MOST_TRIALS, LARGEST_SEED = 100_000, 2**63 - 1
 MOST_WORKERS = 1024
 
+
+class Evaluator(enum.StrEnum):
+    """What evaluates ticks: graspdsl.backends.BACKENDS, repeated here because typer needs them at once."""
+
+    NUMPY = "numpy"
+    JAX = "jax"
+
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 Trials = Annotated[int | None, typer.Option(min=1, max=MOST_TRIALS, help="How many trials, not what the spec says.")]
 Seed = Annotated[int | None, typer.Option(min=0, max=LARGEST_SEED, help="The seed, not what the spec says.")]
@@ -41,7 +49,15 @@ Resume = Annotated[Path | None, typer.Option(parser=named, metavar="DIR", help="
 AllowCode = Annotated[
     bool, typer.Option("--allow-code", help="Run the Python files that the spec names under 'code'. Read them first.")
 ]
+Evaluated = Annotated[
+    Evaluator | None, typer.Option("--backend", help="What evaluates ticks, not what the spec says; jax is an extra.")
+]
 Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
+
+
+def _with_backend(settings: list[str], backend: Evaluator | None) -> list[str]:
+    """The settings, with that of a backend which has an option of its own."""
+    return [*settings, *([f"control.backend={backend.value}"] if backend else [])]
 
 
 def _version(wanted: bool) -> None:
@@ -95,6 +111,7 @@ def run(
     out: Out = None,
     resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
+    backend: Evaluated = None,
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Make no page now: graspdsl report makes it at any time.")
     ] = False,
@@ -104,7 +121,7 @@ def run(
     """Run a spec's trials and report what the controller did."""
     with answering(as_json):
         if resume is not None:
-            if trials is not None or seed is not None or out is not None or settings:
+            if trials is not None or seed is not None or out is not None or settings or backend:
                 message = "a resumed run keeps its trials, seed, folder and settings"
                 raise typer.BadParameter(message, param_hint="--resume")
             from graspdsl.cli.running import finish, go_on
@@ -113,7 +130,7 @@ def run(
         elif spec is None:
             raise typer.BadParameter("give a spec, or --resume a run", param_hint="SPEC")
         else:
-            overrides = list(settings)
+            overrides = _with_backend(settings, backend)
             overrides += [f"trials.count={trials}"] if trials is not None else []
             overrides += [f"trials.seed={seed}"] if seed is not None else []
             program = sound(spec, tuple(overrides), allow_code=allow_code)
@@ -149,6 +166,7 @@ def map_(
         Path | None, typer.Option(parser=named, metavar="DIR", help="Finish the map in this folder.")
     ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
+    backend: Evaluated = None,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
@@ -157,14 +175,14 @@ def map_(
         from graspdsl.cli.mapping import USUAL_GRID, make_map, resume_map, wanted_axes
 
         if resume is not None:
-            if any(value is not None for value in (spec, over, grid, contact, seed, out)) or settings:
+            if any(value is not None for value in (spec, over, grid, contact, seed, out, backend)) or settings:
                 raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
             code = resume_map(resume, workers, as_json, allow_code=allow_code)
         elif spec is None or over is None:
             raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
         else:
             axes = wanted_axes(over, USUAL_GRID if grid is None else grid)
-            overrides = [*settings, *([f"trials.seed={seed}"] if seed is not None else [])]
+            overrides = [*_with_backend(settings, backend), *([f"trials.seed={seed}"] if seed is not None else [])]
             code = make_map(
                 *(spec, axes, tuple(overrides)),
                 contact=contact,
@@ -194,6 +212,9 @@ def explain(
         str, typer.Argument(metavar="SPEC|EXPRESSION|CODE", help="A spec file, a formula, or the code of a complaint.")
     ],
     form: Annotated[Form, typer.Option("--as", help="What to show of it.")] = Form.TEXT,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="With --as pipeline: how long each step takes, and a whole tick.")
+    ] = False,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
@@ -202,6 +223,8 @@ def explain(
 
     wants_json = as_json or form is Form.JSON
     with answering(wants_json):
+        if profile and (wants_json or form is not Form.PIPELINE):
+            raise typer.BadParameter("it is of the pipeline: give --as pipeline", param_hint="--profile")
         if show_complaint(what, wants_json):
             return
         found = explanations(what, allow_code=allow_code)
@@ -210,15 +233,18 @@ def explain(
             return
         from graspdsl.compiler.explain import Explanation
 
-        show = {
-            Form.TEXT: Explanation.text,
-            Form.UNICODE: Explanation.unicode,
-            Form.ASCII: Explanation.ascii,
-            Form.LATEX: Explanation.latex,
-            Form.TREE: Explanation.tree,
-            Form.PIPELINE: Explanation.pipeline,
-        }[form]
-        result(printable("\n\n".join(show(explanation) for explanation in found)))
+        if form is Form.PIPELINE:
+            shown = [explanation.pipeline(profile=profile) for explanation in found]
+        else:
+            show = {
+                Form.TEXT: Explanation.text,
+                Form.UNICODE: Explanation.unicode,
+                Form.ASCII: Explanation.ascii,
+                Form.LATEX: Explanation.latex,
+                Form.TREE: Explanation.tree,
+            }[form]
+            shown = [show(explanation) for explanation in found]
+        result(printable("\n\n".join(shown)))
 
 
 @app.command()
@@ -268,6 +294,7 @@ def experiments(
         typer.Option(parser=named, metavar="DIR", help="Where the runs go; one begun there before goes on."),
     ] = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
+    backend: Evaluated = None,
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
@@ -276,7 +303,7 @@ def experiments(
         from graspdsl.cli.experimenting import run_experiments
         from graspdsl.cli.several import Asked
 
-        given = (tuple(specs), tuple(settings), trials, seed, workers, out, as_json, allow_code)
+        given = (tuple(specs), tuple(_with_backend(settings, backend)), trials, seed, workers, out, as_json, allow_code)
         code = run_experiments(Asked("experiments", *given))
     raise typer.Exit(code)
 

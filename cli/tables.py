@@ -6,6 +6,7 @@ import io
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.segment import Segment
@@ -14,8 +15,10 @@ from rich.text import Text
 from graspdsl.api import console
 from graspdsl.cli.messages import printable, writable
 from graspdsl.diagnostics import on_one_line
-from graspdsl.report.summary import Summary
 from graspdsl.report.tables import Table
+
+if TYPE_CHECKING:
+    from graspdsl.report.summary import Summary
 
 
 def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:

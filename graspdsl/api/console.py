@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import rich.table
 from rich.box import SIMPLE_HEAD
@@ -10,16 +11,19 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from graspdsl.diagnostics import on_one_line
-from graspdsl.report.run_tables import brief_tables
-from graspdsl.report.summary import Summary
 from graspdsl.report.tables import Table
 from graspdsl.report.wording import conditions, feasible, number, percent, percents, repetition
+
+if TYPE_CHECKING:
+    from graspdsl.report.summary import Summary
 
 Spelling = Callable[[str], str]  # of text for whoever cannot write every character
 
 
 def summary_parts(summary: Summary, spelt: Spelling = str) -> Iterator[RenderableType]:
     """The headline, the tables and the foot of a run's summary."""
+    from graspdsl.report.run_tables import brief_tables  # which knows of runs; other tables are laid out here, too
+
     yield from _head(summary)
     for made in brief_tables(summary):
         yield Text()

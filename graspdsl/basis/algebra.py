@@ -4,36 +4,39 @@ from __future__ import annotations
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, packed, product
+
+EYE = np.eye(3)
 
 
 def cross(a: Array, b: Array) -> Array:
     """a × b over the last axis; leading axes broadcast."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    first = y * w - z * v
-    product = np.empty((*first.shape, 3))
-    product[..., 0], product[..., 1], product[..., 2] = first, z * u - x * w, x * v - y * u
-    return product
+    return packed(y * w - z * v, z * u - x * w, x * v - y * u)
 
 
 def length(vectors: Array) -> Array:
     """The Euclidean norm over the last axis, (...): of each vector the same, whatever others stand beside it."""
-    return np.asarray(np.sqrt(np.vecdot(vectors, vectors)))
+    xp = namespace(vectors)
+    return xp.sqrt(xp.vecdot(vectors, vectors))
 
 
 def skew(a: Array) -> Array:
     """[a]×, the (..., 3, 3) matrices with [a]× b = a × b."""
-    matrix = np.zeros((*a.shape, 3))
-    matrix[..., 0, 1], matrix[..., 0, 2] = -a[..., 2], a[..., 1]
-    matrix[..., 1, 0], matrix[..., 1, 2] = a[..., 2], -a[..., 0]
-    matrix[..., 2, 0], matrix[..., 2, 1] = -a[..., 1], a[..., 0]
-    return matrix
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    none = namespace(a).zeros_like(x)
+    return packed(none, -z, y, z, none, -x, -y, x, none).reshape(*a.shape, 3)
 
 
 def along(vectors: Array, normals: Array) -> Array:
     """The parts (..., k, 3) of vectors along unit normals: (v·n) n."""
-    return np.asarray(np.vecdot(vectors, normals)[..., None] * normals)
+    return namespace(vectors).vecdot(vectors, normals)[..., None] * normals
+
+
+def tangent_planes(normals: Array) -> Array:
+    """I − n nᵀ, the (..., 3, 3) projectors on the tangent planes of unit normals: T Tᵀ of any frame T of theirs."""
+    return EYE - normals[..., :, None] * normals[..., None, :]
 
 
 def tangent_frames(normals: Array) -> Array:
@@ -42,13 +45,11 @@ def tangent_frames(normals: Array) -> Array:
     A frame without poles and without a trigonometric function: the branch at n_z < 0 keeps the divisor away from zero.
     """
     x, y, z = normals[..., 0], normals[..., 1], normals[..., 2]
-    sign = np.where(z >= 0.0, 1.0, -1.0)
+    sign = namespace(normals).where(z >= 0.0, 1.0, -1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
-    frames = np.empty((*normals.shape, 2))
-    frames[..., 0, 0], frames[..., 1, 0], frames[..., 2, 0] = 1.0 + sign * x * x * a, sign * b, -sign * x
-    frames[..., 0, 1], frames[..., 1, 1], frames[..., 2, 1] = b, sign + y * y * a, -y
-    return frames
+    frames = packed(1.0 + sign * x * x * a, b, sign * b, sign + y * y * a, -sign * x, -y)
+    return frames.reshape(*normals.shape, 2)
 
 
 def spherical_frames(normals: Array) -> Array:
@@ -56,24 +57,24 @@ def spherical_frames(normals: Array) -> Array:
 
     They turn without limit near the poles φ = ±90°, the z axis of the world.
     """
-    flat = np.hypot(normals[..., 0], normals[..., 1])
-    safe = np.where(flat > 0.0, flat, 1.0)
-    cos, sin = np.where(flat > 0.0, -normals[..., 0] / safe, 1.0), -normals[..., 1] / safe
+    xp = namespace(normals)
+    flat = xp.hypot(normals[..., 0], normals[..., 1])
+    safe = xp.where(flat > 0.0, flat, 1.0)
+    cos, sin = xp.where(flat > 0.0, -normals[..., 0] / safe, 1.0), -normals[..., 1] / safe
     up = -normals[..., 2]
-    first = np.stack([-sin, cos, np.zeros_like(sin)], axis=-1)
-    second = np.stack([-cos * up, -sin * up, flat], axis=-1)
-    return np.stack([first, second], axis=-1)
+    return packed(-sin, -cos * up, cos, -sin * up, xp.zeros_like(sin), flat).reshape(*normals.shape, 2)
 
 
 def spherical_stretch(normals: Array) -> Array:
     """(cos φ, 1) at each normal, (..., 2): how far a unit of θ and of φ reaches on the unit sphere (Eq. 4.4)."""
-    flat = np.hypot(normals[..., 0], normals[..., 1])
-    return np.stack([flat, np.ones_like(flat)], axis=-1)
+    xp = namespace(normals)
+    flat = xp.hypot(normals[..., 0], normals[..., 1])
+    return packed(flat, xp.ones_like(flat))
 
 
 def in_columns(blocks: Array) -> Array:
     """Blocks (..., k, 3, c), one a contact, side by side: (..., 3, c k)."""
-    moved = np.moveaxis(blocks, -3, -2)
+    moved = namespace(blocks).swapaxes(blocks, -3, -2)
     return moved.reshape(*moved.shape[:-2], moved.shape[-2] * moved.shape[-1])
 
 
@@ -84,9 +85,14 @@ def in_rows(blocks: Array) -> Array:
 
 def damped_pseudo_inverse(damping: float, jacobian: Array) -> Array:
     """J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, (..., n, m) for J (..., m, n)."""
-    transposed = np.swapaxes(jacobian, -1, -2)
-    gram = jacobian @ transposed + damping**2 * np.eye(jacobian.shape[-2])
-    return np.swapaxes(np.linalg.solve(gram, jacobian), -1, -2)
+    xp = namespace(jacobian)
+    gram = product(jacobian, xp.swapaxes(jacobian, -1, -2)) + damping**2 * np.eye(jacobian.shape[-2])
+    return xp.swapaxes(xp.linalg.solve(gram, jacobian), -1, -2)
+
+
+def pseudo_inverse(jacobian: Array) -> Array:
+    """J⁺, (..., n, m) for J (..., m, n)."""
+    return namespace(jacobian).linalg.pinv(jacobian)
 
 
 def scaled_transpose(jacobian: Array) -> Array:
@@ -97,9 +103,9 @@ def scaled_transpose(jacobian: Array) -> Array:
     move best is gone at once and the others are less by σ_i²/σ² of them. So with this transpose a gain of one is the
     largest that does not overshoot, and one of two the limit of stability, whatever the units and the posture.
     """
-    largest = np.linalg.norm(jacobian, ord=2, axis=(-2, -1))[..., None, None]
-    scaled: Array = np.swapaxes(jacobian, -1, -2) / np.where(largest > 0.0, largest, 1.0) ** 2
-    return scaled
+    xp = namespace(jacobian)
+    largest = xp.linalg.norm(jacobian, ord=2, axis=(-2, -1))[..., None, None]
+    return xp.swapaxes(jacobian, -1, -2) / xp.where(largest > 0.0, largest, 1.0) ** 2
 
 
 def null_space_projector(jacobian: Array, cutoff: float = 1e-6) -> Array:
@@ -107,8 +113,8 @@ def null_space_projector(jacobian: Array, cutoff: float = 1e-6) -> Array:
 
     Singular values below ``cutoff`` times the largest count as zero, so rows without content do not take freedom away.
     """
-    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
-    kept = values > np.maximum(cutoff * values[..., :1], 1e-12)
+    xp = namespace(jacobian)
+    _, values, rows = xp.linalg.svd(jacobian, full_matrices=False)
+    kept = values > xp.maximum(cutoff * values[..., :1], 1e-12)
     basis = rows * kept[..., None]
-    result: Array = np.eye(jacobian.shape[-1]) - np.swapaxes(basis, -1, -2) @ basis
-    return result
+    return np.eye(jacobian.shape[-1]) - product(xp.swapaxes(basis, -1, -2), basis)

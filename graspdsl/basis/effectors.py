@@ -13,9 +13,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from graspdsl.arrays import Array
-from graspdsl.basis.algebra import in_columns, in_rows, skew
+from graspdsl.arrays import Array, namespace, product
+from graspdsl.basis.algebra import cross, in_columns, in_rows, skew
 from graspdsl.basis.entry import Entry
+from graspdsl.basis.operations import by_contact, flat, times, transposed_times
 from graspdsl.basis.spaces import GradientSpace
 
 
@@ -44,20 +45,24 @@ class Effector(Entry):
         ``weighs_sensed``.
         """
 
+    def pullback(self, mixing: Array, gradient: Array, *inputs: Array) -> Array:
+        """τᵀ∇, (..., D): a gradient (..., d) by the task as one by what is moved, without τ where it takes none."""
+        return transposed_times(self.evaluate(mixing, *inputs), gradient)
+
 
 def force_by_surface(weights: Array, frames: Array, stretch: Array) -> Array:
     """∂f_i/∂ψ_i = −w_i T S on the unit sphere, (..., k, 3, 2) [1/rad] (Eq. 4.4)."""
-    return np.asarray(frames * stretch[..., None, :] * -weights[:, None, None])
+    return frames * stretch[..., None, :] * -weights[:, None, None]
 
 
 def moment_by_surface(weights: Array, normals: Array, frames: Array, radius: Array) -> Array:
     """∂m_i/∂ψ_i = −w_i r [n_i]× T on the tangent plane, a displacement being r ψ, (..., k, 3, 2) [m/rad] (Eq. 4.7)."""
-    return np.asarray(skew(normals) @ frames * (-weights * radius)[:, None, None])
+    return product(skew(normals), frames) * (-weights * radius)[:, None, None]
 
 
-def surface_by_cartesian(frames: Array, radius: Array) -> Array:
-    """∂ψ/∂x = (r̂_θ r̂_φ)ᵀ / r, (..., k, 2, 3) [rad/m] (Eq. 4.27)."""
-    return np.asarray(np.swapaxes(frames, -1, -2) / radius)
+def sphere_by_cartesian(frames: Array, stretch: Array) -> Array:
+    """T S Tᵀ, (..., k, 3, 3) [1]: what of displacements by x over r turns the normals of a sphere, Eq. 4.4 by 4.27."""
+    return product(frames * stretch[..., None, :], namespace(frames).swapaxes(frames, -1, -2))
 
 
 class ForceResidualSurface(Effector):
@@ -102,41 +107,53 @@ class WrenchResidualSurface(Effector):
         """Force rows above moment rows, shape (..., 6, 2k)."""
         normals, frames, stretch, radius = inputs
         moment = moment_by_surface(mixing, normals, frames, radius) / radius
-        return in_columns(np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2))
+        return in_columns(namespace(frames).concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2))
 
 
 class ForceResidualDisplacement(Effector):
     """τ_frx = ∂f/∂ψ (r̂_θ r̂_φ)ᵀ (Eq. 4.28): on a sphere of radius r, ∂f_i/∂x_i = −w_i T S Tᵀ / r, (..., 3, 3k) [1/m].
 
-    With local frames T Tᵀ = I − n nᵀ, free of the choice of surface coordinates and of their poles.
+    With local frames T S Tᵀ = T Tᵀ = I − n nᵀ, free of the choice of surface coordinates and of their poles.
     """
 
     symbol = "τ_frx"
     about = "net unit force by contact displacements, surface taken for a sphere"
     equation = "4.28"
     gradient_space = GradientSpace.CARTESIAN
-    reads = ("frames", "stretch", "curvature_radius")
+    reads = ("tangents", "curvature_radius")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """−w T S Tᵀ / r side by side, shape (..., 3, 3k)."""
-        frames, stretch, radius = inputs
-        return in_columns(force_by_surface(mixing, frames, stretch) @ surface_by_cartesian(frames, radius))
+        tangents, radius = inputs
+        return in_columns(tangents * (mixing / -radius)[:, None, None])
+
+    def pullback(self, mixing: Array, gradient: Array, *inputs: Array) -> Array:
+        """−w T S Tᵀ∇ / r of each contact, shape (..., 3k)."""
+        tangents, radius = inputs
+        return flat(times(tangents, gradient[..., None, :]) * (mixing / -radius)[:, None])
 
 
 class MomentResidualDisplacement(Effector):
-    """τ_mrx = ∂m/∂ψ (r̂_θ r̂_φ)ᵀ (Eq. 4.29): on a plane, ∂m_i/∂x_i = −w_i [n_i]× T Tᵀ, (..., 3, 3k) [1]."""
+    """τ_mrx = ∂m/∂ψ (r̂_θ r̂_φ)ᵀ (Eq. 4.29): on a plane, ∂m_i/∂x_i = −w_i [n_i]× T Tᵀ = −w_i [n_i]×, (..., 3, 3k) [1].
+
+    What of a displacement is along the normal, T Tᵀ = I − n nᵀ takes away, and so does [n]×.
+    """
 
     symbol = "τ_mrx"
     about = "net moment by contact displacements, surface taken for a plane"
     equation = "4.29"
     gradient_space = GradientSpace.CARTESIAN
-    reads = ("normals", "frames", "curvature_radius")
+    reads = ("normals",)
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
-        """−w [n]× T Tᵀ side by side, shape (..., 3, 3k)."""
-        normals, frames, radius = inputs
-        moved = moment_by_surface(mixing, normals, frames, radius) @ surface_by_cartesian(frames, radius)
-        return in_columns(moved)
+        """−w [n]× side by side, shape (..., 3, 3k)."""
+        (normals,) = inputs
+        return in_columns(skew(normals) * -mixing[:, None, None])
+
+    def pullback(self, mixing: Array, gradient: Array, *inputs: Array) -> Array:
+        """w n × ∇ of each contact, shape (..., 3k)."""
+        (normals,) = inputs
+        return flat(cross(normals, gradient[..., None, :]) * mixing[:, None])
 
 
 class WrenchResidualDisplacement(Effector):
@@ -146,15 +163,14 @@ class WrenchResidualDisplacement(Effector):
     about = "net wrench by contact displacements"
     equation = "Sec. 4.1.3"
     gradient_space = GradientSpace.CARTESIAN
-    reads = ("normals", "frames", "stretch", "curvature_radius")
+    reads = ("tangents", "normals", "curvature_radius")
     parts = ("τ_frx", "τ_mrx")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Force rows above moment rows, shape (..., 6, 3k)."""
-        normals, frames, stretch, radius = inputs
-        moment = moment_by_surface(mixing, normals, frames, radius) / radius
-        both = np.concatenate([force_by_surface(mixing, frames, stretch), moment], axis=-2)
-        return in_columns(both @ surface_by_cartesian(frames, radius))
+        tangents, normals, radius = inputs
+        both = namespace(normals).concatenate([tangents, skew(normals)], axis=-2)
+        return in_columns(both * (mixing / -radius)[:, None, None])
 
 
 class WrenchResidualOverSurface(Effector):
@@ -181,13 +197,13 @@ class WrenchResidualOverSurface(Effector):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Force rows above moment rows over r, shape (..., 6, 3k)."""
         points, normals, origin, shares, operators, radius = inputs
-        (moved, sensed), count = mixing, len(shares)
-        net, inward = skew(sensed @ normals)[..., None, :, :], normals[..., :count, :]
+        xp, (moved, sensed), count = namespace(points), mixing, len(shares)
+        net, inward = skew(product(sensed, normals))[..., None, :, :], normals[..., :count, :]
         levers, weights = points[..., :count, :] - origin[..., None, :], moved[:count, None, None]
         along = np.eye(3) - inward[..., :, None] * inward[..., None, :]
-        carried = np.where(weights > 0.0, shares[:, None, None], 0.0) * (net @ along)
-        moment = carried - weights * (skew(inward) @ along + skew(levers) @ operators)
-        return in_columns(np.concatenate([-weights * operators, moment / radius], axis=-2))
+        carried = xp.where(weights > 0.0, shares[:, None, None], 0.0) * product(net, along)
+        moment = carried - weights * (product(skew(inward), along) + product(skew(levers), operators))
+        return in_columns(xp.concatenate([-weights * operators, moment / radius], axis=-2))
 
 
 class ResidualRotation(Effector):
@@ -230,7 +246,7 @@ class ForceResidualRotation(ResidualRotation):
         """−[Σ w n]× over the normals that turn, shape (..., 3, 3)."""
         (normals,) = inputs
         _, turning = mixing
-        return -skew(turning @ normals)
+        return -skew(product(turning, normals))
 
 
 class MomentResidualRotation(ResidualRotation):
@@ -246,11 +262,9 @@ class MomentResidualRotation(ResidualRotation):
         """Σ w [n]× [x − c]× over the points that turn less Σ w [x − c]× [n]× over the normals, shape (..., 3, 3)."""
         points, normals, origin = inputs
         levers, across = skew(points - origin[..., None, :]), skew(normals)
-        by_lever, by_normal = across @ levers, levers @ across
-        carried, turning = mixing
-        return np.asarray(
-            np.einsum("k,...kij->...ij", carried, by_lever) - np.einsum("k,...kij->...ij", turning, by_normal)
-        )
+        by_lever, by_normal = product(across, levers), product(levers, across)
+        xp, (carried, turning) = namespace(points), mixing
+        return xp.einsum("k,...kij->...ij", carried, by_lever) - xp.einsum("k,...kij->...ij", turning, by_normal)
 
 
 class PositionJacobian(Effector):
@@ -292,12 +306,17 @@ class ForceJacobian(Effector):
     equation = "4.21"
     gradient_space = GradientSpace.JOINTS
     pressed = "m"
-    reads = ("jacobian", "normals")
+    reads = ("into", "normals")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R (n nᵀ J) stacked, shape (..., 3m, n)."""
-        jacobian, normals = inputs
-        return _mixed(mixing, _pressing(jacobian, normals))
+        into, normals = inputs
+        return _mixed(mixing, normals[..., :, None] * into[..., None, :])
+
+    def pullback(self, mixing: Array, gradient: Array, *inputs: Array) -> Array:
+        """Jᵀn nᵀ Rᵀ∇ of all contacts, shape (..., n)."""
+        into, normals = inputs
+        return transposed_times(into, namespace(normals).vecdot(product(mixing.T, by_contact(gradient)), normals))
 
 
 class MomentJacobian(Effector):
@@ -309,13 +328,13 @@ class MomentJacobian(Effector):
     equation = "Sec. 3.1.2"
     gradient_space = GradientSpace.JOINTS
     pressed = "m²"
-    reads = ("jacobian", "normals", "points", "origin")
+    reads = ("into", "normals", "points", "origin")
 
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R ([x − c]× n nᵀ J) stacked, shape (..., 3m, n)."""
-        jacobian, normals, points, origin = inputs
-        levers = skew(points - origin[..., None, :])
-        return _mixed(mixing, levers @ _pressing(jacobian, normals))
+        into, normals, points, origin = inputs
+        arms = cross(points - origin[..., None, :], normals)
+        return _mixed(mixing, arms[..., :, None] * into[..., None, :])
 
 
 class PostureSelection(Effector):
@@ -330,20 +349,14 @@ class PostureSelection(Effector):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """S with the columns of joints outside Γτ zero, in scaled joint coordinates, shape (s, n)."""
         (weights,) = inputs
-        return np.asarray(mixing * weights)
+        return mixing * weights
 
 
 def _mixed(mixing: Array, jacobians: Array) -> Array:
     """The Jacobians (..., 3m, n) of the resources in a mixing matrix (m, k), from those of the contacts."""
     *batch, _, rows, joints = jacobians.shape
-    each = mixing @ jacobians.reshape(*batch, mixing.shape[-1], rows * joints)
+    each = product(mixing, jacobians.reshape(*batch, mixing.shape[-1], rows * joints))
     return in_rows(each.reshape(*batch, len(mixing), rows, joints))
-
-
-def _pressing(jacobian: Array, normals: Array) -> Array:
-    """n nᵀ J for each contact, (..., k, 3, n)."""
-    pressed = normals[..., :, None] * np.vecmat(normals, jacobian)[..., None, :]
-    return np.asarray(pressed)
 
 
 EFFECTORS: dict[str, Effector] = {

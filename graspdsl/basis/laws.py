@@ -12,7 +12,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis import operations
-from graspdsl.basis.algebra import damped_pseudo_inverse, scaled_transpose
+from graspdsl.basis.algebra import damped_pseudo_inverse, pseudo_inverse, scaled_transpose
 from graspdsl.basis.effectors import Effector
 from graspdsl.basis.resources import ContactSet, JointSet
 from graspdsl.basis.spaces import GradientSpace
@@ -58,7 +58,8 @@ class Bench(Protocol):
 class Slope:
     """Where a law begins: the steps of ∇φ (``gradient``) and τ (``task``) of a controller, and what these are of.
 
-    ``symbol`` and ``source`` are those of the potential, ``resources`` those of the effector transform.
+    ``symbol`` and ``source`` are those of the potential, ``resources`` those of the effector transform. ``pullback``:
+    what makes the step of τᵀ times a vector (..., d), with a label and what is said of it.
     """
 
     symbol: str
@@ -67,6 +68,7 @@ class Slope:
     resources: ContactSet | JointSet
     gradient: int
     task: int
+    pullback: Callable[[str, str, int], int]
 
     @property
     def contacts(self) -> ContactSet:
@@ -112,7 +114,7 @@ class Descent(Law):
         gain, moved = (gain / radius**2, f"{step / radius:.3g} rad") if turns else (gain, f"{1000 * step:.3g} mm")
         name = slope.symbol
         about = f"gradient in {space.value}, {slope.effector.source}"
-        gradient = bench.apply(f"τᵀ∇{name}", about, operations.transposed_times, slope.task, slope.gradient)
+        gradient = slope.pullback(f"τᵀ∇{name}", about, slope.gradient)
         what = f"a moment of {1000 * radius:.3g} mm" if self.of_moments else "a unit net force"
         what += f", × {factor:g}" if self.gain else ""
         about = f"step down it, k = {gain:.3g}: {moved} a {bench.each} for {what}"
@@ -171,9 +173,8 @@ class Pressing(Law):
         pressed = bench.apply("k e", about, press, rows, touching)
         pressed = bench.apply("k e", "flattened", operations.flat, pressed)
         about = f"joint displacement, {slope.source}"
-        servo = bench.apply("τᵀ k e", about, operations.transposed_times, slope.task, pressed)
-        inputs = (bench.read("jacobian"), bench.read("normals"), bench.read("touching"))
-        approach = bench.apply("approach", closing, close, *inputs)
+        servo = slope.pullback("τᵀ k e", about, pressed)
+        approach = bench.apply("approach", closing, close, bench.read("into"), bench.read("touching"))
         return bench.apply(f"Δ{name}", "servo + approach", np.add, servo, approach)
 
 
@@ -184,7 +185,7 @@ class ShareOfError(Law):
     def displacement(self, bench: Bench, slope: Slope) -> int:
         """Part of the way, and no more than POSTURE_STEP a tick."""
         name, gain = slope.symbol, bench.setting("posture_gain")
-        inverse = bench.apply("τ⁺", "pseudo-inverse", np.linalg.pinv, slope.task)
+        inverse = bench.apply("τ⁺", "pseudo-inverse", pseudo_inverse, slope.task)
         moved = bench.apply(f"τ⁺∇{name}", "joint displacement, Eq. 4.25", operations.times, inverse, slope.gradient)
         part = bench.apply(f"k Δ{name}", f"{gain:g} of it a tick", partial(np.multiply, gain), moved)
         slow = partial(operations.limited, POSTURE_STEP)

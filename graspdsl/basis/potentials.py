@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace
 from graspdsl.basis.entry import Entry
 from graspdsl.basis.laws import Descent, InverseKinematics, Law, Pressing, ShareOfError
 from graspdsl.basis.rotations import turn_between, turned
@@ -91,7 +91,7 @@ class Residual(Potential):
 
     def value(self, error: Array) -> Array:
         """eᵀe, shape (...)."""
-        return np.asarray(np.einsum("...i,...i->...", error, error))
+        return namespace(error).einsum("...i,...i->...", error, error)
 
     def gradient(self, error: Array) -> Array:
         """2e, shape (..., d)."""
@@ -103,7 +103,7 @@ class HalfSquared(Potential):
 
     def value(self, error: Array) -> Array:
         """½ eᵀe, shape (...)."""
-        return np.asarray(0.5 * np.einsum("...i,...i->...", error, error))
+        return 0.5 * namespace(error).einsum("...i,...i->...", error, error)
 
     def gradient(self, error: Array) -> Array:
         """e, shape (..., d)."""

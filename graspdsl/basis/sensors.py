@@ -9,9 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-import numpy as np
-
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, product
 from graspdsl.basis.algebra import along, cross
 from graspdsl.basis.entry import Entry
 from graspdsl.basis.spaces import (
@@ -66,7 +64,7 @@ class UnitNormals(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R n, shape (..., m, 3)."""
         (normals,) = inputs
-        return np.asarray(mixing @ normals)
+        return product(mixing, normals)
 
 
 class Positions(Sensor):
@@ -82,7 +80,7 @@ class Positions(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R x, shape (..., m, 3)."""
         (points,) = inputs
-        return np.asarray(mixing @ points)
+        return product(mixing, points)
 
 
 class Forces(Sensor):
@@ -101,7 +99,7 @@ class Forces(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R (n nᵀ f), shape (..., m, 3)."""
         forces, normals = inputs
-        return np.asarray(mixing @ along(forces, normals))
+        return product(mixing, along(forces, normals))
 
 
 class NetForce(Sensor):
@@ -118,7 +116,7 @@ class NetForce(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Σ w n, shape (..., 3)."""
         (normals,) = inputs
-        return np.asarray(mixing @ normals)
+        return product(mixing, normals)
 
 
 class NetMoment(Sensor):
@@ -135,7 +133,7 @@ class NetMoment(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """Σ w (x − c) × n, shape (..., 3)."""
         points, normals, origin = inputs
-        return np.asarray(mixing @ cross(points - origin[..., None, :], normals))
+        return product(mixing, cross(points - origin[..., None, :], normals))
 
 
 class NetWrench(Sensor):
@@ -154,8 +152,8 @@ class NetWrench(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """The net force above the net moment over r, shape (..., 6)."""
         points, normals, origin, radius = inputs
-        moment = mixing @ cross(points - origin[..., None, :], normals)
-        return np.concatenate([mixing @ normals, moment / radius], axis=-1)
+        moment = product(mixing, cross(points - origin[..., None, :], normals))
+        return namespace(normals).concatenate([product(mixing, normals), moment / radius], axis=-1)
 
 
 class Orientations(Sensor):
@@ -177,7 +175,7 @@ class Orientations(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R r, shape (..., m, 3)."""
         (orientations,) = inputs
-        return np.asarray(mixing @ orientations)
+        return product(mixing, orientations)
 
 
 class Moments(Sensor):
@@ -193,7 +191,7 @@ class Moments(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """R ((x − c) × (n nᵀ f)), shape (..., m, 3)."""
         points, forces, normals, origin = inputs
-        return np.asarray(mixing @ cross(points - origin[..., None, :], along(forces, normals)))
+        return product(mixing, cross(points - origin[..., None, :], along(forces, normals)))
 
 
 class Posture(Sensor):
@@ -210,7 +208,7 @@ class Posture(Sensor):
     def evaluate(self, mixing: Array, *inputs: Array) -> Array:
         """S q for the selection S (s, n), shape (..., s)."""
         (joints,) = inputs
-        return np.asarray(np.einsum("sn,...n->...s", mixing, joints))
+        return namespace(joints).einsum("sn,...n->...s", mixing, joints)
 
 
 SENSORS: dict[str, Sensor] = {

@@ -288,7 +288,7 @@ class _Check:
                 self._warn("no-effect", message, ("control", gain), "leave it out")
         waits = any(p.until.force_residual or p.until.moment_residual for p in self.spec.program)
         as_set = _numbers(pipelines)
-        for name in sorted(control.model_fields_set):
+        for name in sorted(control.model_fields_set - {"backend"}):  # which changes no pipeline, but what runs it
             watched = name == "curvature_radius" and waits  # it weighs the residuals that must fall
             if getattr(control, name) is not None and not watched and not self._matters(name, phases, as_set):
                 message = f"{name} has no effect: no controller of the program depends on it"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 
+from graspdsl.backends import NUMPY
 from graspdsl.basis.entry import cited
 from graspdsl.basis.prelude import Definition
 from graspdsl.basis.resources import ContactSet, JointSet
@@ -24,6 +25,7 @@ from graspdsl.compiler.graph import (
 from graspdsl.compiler.known import facts_about, protection, reference_of, summed_plainly, written
 from graspdsl.compiler.phase import CheckedPhase
 from graspdsl.compiler.pipeline import Pipeline, Step
+from graspdsl.compiler.profiling import Profile, profiled
 from graspdsl.compiler.program import Program
 from graspdsl.compiler.settings import Target
 from graspdsl.notation.printer import to_ascii, to_latex, to_unicode
@@ -59,10 +61,13 @@ class Explanation:
         blocks = [self._stage(graph, f"stage {i + 1}") for i, graph in enumerate(self.executed)]
         return "\n".join(blocks)
 
-    def pipeline(self) -> str:
+    def pipeline(self, *, profile: bool = False) -> str:
         """The numerical steps, as trees from the command and from what is monitored down to what is read; a step shown
-        before is only named."""
-        return "\n".join(_pipeline_tree(*each) for each in zip(self.pipelines, self.shapes, self._plain(), strict=True))
+        before is only named. With a profile: how long each takes, for contacts and joints at random."""
+        observation = in_general_position(self.target.robot)
+        profiles = [profiled(made, observation) if profile else None for made in self.pipelines]
+        each = zip(self.pipelines, self.shapes, self._plain(), profiles, strict=True)
+        return "\n".join(_pipeline_tree(*one) for one in each)
 
     def text(self) -> str:
         """All of it, for a terminal."""
@@ -88,6 +93,7 @@ class Explanation:
             "runs_as": [written(graph) for graph in self.executed],
             "rate": self.target.rate,
             "displacement": self.target.control.displacement,
+            "backend": self.target.backend.name,
             "definitions": [
                 {
                     "head": to_unicode(definition.head),
@@ -137,10 +143,11 @@ class Explanation:
 
     def _pace(self) -> str:
         """How often the pipeline is evaluated, and what a step of it is."""
-        rate = f"{self.target.rate:g} times a second"
+        rate, backend = f"{self.target.rate:g} times a second", self.target.backend
+        compiled = "" if backend is NUMPY else f"; {backend.about} by {backend.name}"
         if self.target.probes:
-            return f"once a probe, {rate} for joint displacements"
-        return f"{rate}, {self.target.world.pace}"
+            return f"once a probe, {rate} for joint displacements{compiled}"
+        return f"{rate}, {self.target.world.pace}{compiled}"
 
     def protected(self) -> list[str]:
         """What is kept of each level from those below it."""
@@ -229,7 +236,9 @@ def _node(node: ControllerNode) -> dict[str, Any]:
     }
 
 
-def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plain: set[ControllerNode]) -> str:
+def _pipeline_tree(
+    pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plain: set[ControllerNode], profile: Profile | None
+) -> str:
     rows: list[str] = []
     shown: set[int] = set()
 
@@ -240,7 +249,8 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plai
             rows.append(f"{lead}[{index}] {step.label} ↑")
             return
         shown.add(index)
-        rows.append(f"{lead}[{index}] {step.label}  {size}  {step.about}")
+        took = f"  {profile.steps[index]:.1f} µs" if profile and step.reading is None else ""
+        rows.append(f"{lead}[{index}] {step.label}  {size}  {step.about}{took}")
         for place, part in enumerate(step.inputs):
             last = place == len(step.inputs) - 1
             add(part, f"{indent}{'└─ ' if last else '├─ '}", indent + ("   " if last else "│  "))
@@ -252,6 +262,7 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plai
         monitored["force error"] = pipeline.force_error
     rows.append("  monitored: " + ", ".join(f"{name} [{step}]" for name, step in monitored.items()))
     certified = [step for one in pipeline.priorities for step in (one.rank, one.sensed, one.effect, one.alone)]
+    certified += astuple(pipeline.certificate) if pipeline.certificate else ()
     for step in (*monitored.values(), *certified):
         if step not in shown:
             add(step, "    ", "    ")
@@ -263,4 +274,9 @@ def _pipeline_tree(pipeline: Pipeline, shapes: tuple[tuple[int, ...], ...], plai
     ]
     reads = [step.label for step in pipeline.steps if step.reading]
     rows.append(f"  {len(pipeline.steps)} steps; read once: {', '.join(reads)}")
+    if profile is not None:
+        bare, whole = sum(profile.steps[: pipeline.bare]), sum(profile.steps)
+        rows.append(f"  steps by numpy: {bare:.0f} µs for the command, {whole - bare:.0f} µs to certify it")
+        name, first = pipeline.backend.name, f"the first took {profile.first:.3g} s"
+        rows.append(f"  a tick by {name}: {profile.tick:.0f} µs; {first}")
     return "\n".join(rows)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, product
 from graspdsl.basis import operations
-from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
-from graspdsl.basis.effectors import Effector
+from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames, tangent_planes
+from graspdsl.basis.effectors import Effector, sphere_by_cartesian
 from graspdsl.basis.laws import Slope
 from graspdsl.basis.potentials import STRAIGHT, Difference
 from graspdsl.basis.resources import ContactSet, JointSet
@@ -25,7 +25,7 @@ from graspdsl.compiler.graph import (
     SensorReference,
     VectorReference,
 )
-from graspdsl.compiler.pipeline import Pipeline, PipelineBuilder, Priority, Projection
+from graspdsl.compiler.pipeline import Certificate, Pipeline, PipelineBuilder, Priority, Projection, steps_between
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import joint_limits
@@ -40,7 +40,28 @@ READINGS = {
     "centre_of_mass": "the object's centre of mass [m]",
     "weight": "the object's weight [N]",
 }
+LOCKED = ("jacobian", "angular_jacobian")  # what locked joints change
 DOWN = np.array([0.0, 0.0, -1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class NullSpace:
+    """How the null space of higher levels is told: what is ``made_of`` all that is felt of them, what that leaves of a
+    lower displacement, and its dimension."""
+
+    about: str
+    made_of: Callable[..., Array]
+    left_of: Callable[[Array, Array], Array]
+    rank: Callable[[Array], Array]
+
+
+OF_TASKS = NullSpace(
+    "projector on the null space of what is higher", operations.task_projector, operations.times, operations.rank
+)
+OF_GRADIENTS = NullSpace(
+    "directions of what is higher, which leave what is across",
+    *(operations.directions, operations.across, operations.rank_across),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +172,15 @@ class _Bench(PipelineBuilder):
             return self.apply(label, about, share, step, self.read("frames"))
         return self.apply(label, about, partial(operations.shared, sharing), step)
 
+    def pullback(self, effector: Effector, task: int, label: str, about: str, vector: int) -> int:
+        """τᵀ times a vector (..., d), of the step of an effector transform: where that has a way to it without τ, and
+        no contacts share a motion, by that."""
+        made = self.steps[task]
+        known = isinstance(made.function, partial) and made.function.func == effector.evaluate
+        if not known or type(effector).pullback is Effector.pullback:
+            return self.apply(label, about, operations.transposed_times, task, vector)
+        return self.apply(label, about, partial(effector.pullback, *made.constants), vector, *made.inputs)
+
     def effect(self, controller: ControllerNode, space: GradientSpace) -> int:
         """The Jacobian of what a controller senses by what a pipeline of a space commands, (..., d, D).
 
@@ -221,6 +251,15 @@ class _Bench(PipelineBuilder):
             case "curvature_radius":
                 radius = np.array(self.control.curvature_radius)
                 return self.constant("r", f"radius of the model sphere, {radius:g} m", radius)
+            case "into":
+                about = "motion of each contact along its normal, by scaled joint coordinates"
+                moved = (self.read("jacobian"), self.read("normals"))
+                return self.apply("nᵀJ", about, operations.transposed_times, *moved)
+            case "tangents" if self.control.surface == "spherical":
+                about = "how displacements turn normals, T S Tᵀ"
+                return self.apply("∂n̂/∂x", about, sphere_by_cartesian, self.read("frames"), self.read("stretch"))
+            case "tangents":
+                return self.apply("I − n nᵀ", "projectors on the tangent planes", tangent_planes, self.read("normals"))
             case "frames":
                 frames = spherical_frames if self.control.surface == "spherical" else tangent_frames
                 return self.apply("(r̂_θ r̂_φ)", "frames of the tangent planes", frames, self.read("normals"))
@@ -261,7 +300,7 @@ class _Bench(PipelineBuilder):
                 return self.constant("c", "origin of moments: the world's", np.zeros(3))
             case "object":
                 return self.apply("c", "origin of moments: the object's", operations.same, self.read("centre_of_mass"))
-        mean = partial(np.matmul, self.grasp.weights / self.grasp.weights.sum())
+        mean = partial(product, self.grasp.weights / self.grasp.weights.sum())
         points = self._read_with_gravity("points") if self.grasp.has_gravity else self.read("points")
         return self.apply("c", "origin of moments: centroid of the contacts", mean, points)
 
@@ -291,8 +330,9 @@ class _Lowering:
         outputs = [command, force_residual, moment_residual, *(priority.rank for priority in priorities)]
         force_error = self._largest_force_error()
         outputs += [] if force_error is None else [force_error]
-        besides = [step for one in priorities for step in (one.sensed, one.effect, one.alone, one.shortened)]
-        steps, number = bench.needed(outputs, besides)
+        certificate = self._certificate(priorities, command, space) if priorities else None
+        steps, number = bench.needed(outputs, astuple(certificate) if certificate else ())
+        moving = [command, *(step for one in priorities for step in (one.alone, one.rank))]
         return Pipeline(
             steps=steps,
             command=number[command],
@@ -306,12 +346,37 @@ class _Lowering:
                 )
                 for one in priorities
             ),
-            certificate=len(bench.needed(outputs)[0]),
+            certificate=certificate and Certificate(*(number[step] for step in astuple(certificate))),
+            bare=len(bench.needed(outputs)[0]),
             projections=tuple(
                 replace(found, before=number[found.before], after=number[found.after]) for found in self._projections
             ),
             force_error=None if force_error is None else number[force_error],
             limits=self._target.limits if space is GradientSpace.JOINTS else None,
+            backend=self._target.backend,
+            locked=steps_between(steps, LOCKED, [number[step] for step in moving]),
+        )
+
+    def _certificate(self, priorities: Sequence[Priority], command: int, space: GradientSpace) -> Certificate:
+        """What is told of the levels, one beside the other."""
+        bench = self._bench
+
+        def flat(label: str, step: int, is_flat: bool) -> int:
+            return step if is_flat else bench.apply(label, "flattened", operations.flat, step)
+
+        sensors = [(one.controller.sensor, one.sensed) for one in priorities]
+        sensed = [flat(sensor.symbol, step, not sensor.per_contact) for sensor, step in sensors]
+        changes = []
+        for one in priorities:
+            effect, *moved = one.told_by(command)
+            moved = [flat("Δx", step, space is GradientSpace.JOINTS) for step in moved]
+            label, about = f"Δ{one.controller.sensor.symbol}", "what it changes by itself, and what the others change"
+            changes.append(bench.apply(label, about, operations.changes, effect, *moved))
+        side = operations.side_by_side
+        return Certificate(
+            sensed=bench.apply("σ", "what the levels sense", partial(side, 1, -1), *sensed),
+            effects=bench.apply("∂σ", "their Jacobians", partial(side, 2, -2), *(one.effect for one in priorities)),
+            changes=bench.apply("Δσ", "what changes them, by causes", partial(side, 2, -1), *changes),
         )
 
     def _priorities(self, chain: Level, command: int, space: GradientSpace) -> Iterator[Priority]:
@@ -352,18 +417,18 @@ class _Lowering:
     def _composition(self, graph: Composition) -> Level:
         """∇hi + N ∇lo for any depth: each level runs in the null space of all higher ones at once (Eq. 4.19)."""
         bench, by_task = self._bench, self._control.nullspace == "task"
-        project = operations.task_projector if by_task else operations.gradient_projector
+        null_space = OF_TASKS if by_task else OF_GRADIENTS
         highest, *lower = (self._level(term) for term in reversed(graph.terms))
         above, total, sums, ranks = list(highest.single), highest.displacement, [*highest.sums], [*highest.ranks]
         for level in lower:
             felt = [higher.task if by_task else higher.displacement for higher in above]
             names = ", ".join(("τ " if by_task else "∇") + higher.label for higher in above)
-            projector = bench.apply(f"N({names})", "projector on the null space of what is higher", project, *felt)
-            ranks.append(bench.apply("rank", "dimension of the null space", operations.rank, projector))
+            projector = bench.apply(f"N({names})", null_space.about, null_space.made_of, *felt)
+            ranks.append(bench.apply("rank", "dimension of the null space", null_space.rank, projector))
             labels = tuple(higher.label for higher in above)
             for part in level.sums:
                 about = "the lower level, projected"
-                projected = bench.apply(f"N Δ{level.label}", about, operations.times, projector, part)
+                projected = bench.apply(f"N Δ{level.label}", about, null_space.left_of, projector, part)
                 about = "higher levels + projected lower level, Eq. 4.19"
                 sums.append(bench.apply("Σ", about, np.add, total, projected))
             self._projections.append(Projection(level.label, labels, level.displacement, projected))
@@ -383,7 +448,10 @@ class _Lowering:
         about = f"gradient of the potential, {potential.source}"
         gradient = bench.apply(f"∇{potential.symbol}", about, potential.gradient, error)
         task = bench.effector(node.effector, node.effector_resources, node.sensor_resources)
-        slope = Slope(potential.symbol, potential.source, node.effector, node.effector_resources, gradient, task)
+        pullback = partial(bench.pullback, node.effector, task)
+        slope = Slope(
+            potential.symbol, potential.source, node.effector, node.effector_resources, gradient, task, pullback
+        )
         displacement = potential.law.displacement(bench, slope)
         return Level(potential.symbol, displacement, task, (SingleLevel(node, displacement, task),), (displacement,))
 
@@ -436,7 +504,7 @@ class _Lowering:
         if self._control.virtual == "members":
             owner = np.repeat(np.arange(len(resources.members)), [len(member.weights) for member in resources.members])
             spread = np.eye(len(resources.members))[owner]
-            error = bench.apply(label, "error of each member", partial(np.matmul, spread), error)
+            error = bench.apply(label, "error of each member", partial(product, spread), error)
         error = bench.apply(label, "flattened", operations.flat, error)
         if potential.is_capped:
             error = self._capped(potential.difference, error, label)

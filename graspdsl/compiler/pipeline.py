@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from graspdsl.arrays import Array, Flags
-from graspdsl.basis.operations import times
+from graspdsl.arrays import Array, Flags, packed
+from graspdsl.backends import NUMPY, Backend
+from graspdsl.basis import operations
 from graspdsl.compiler.graph import ControllerNode
 from graspdsl.worlds.protocol import Command, Observation
+
+Values = Mapping[int, Array] | Sequence[Array]  # by the numbers of steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +49,10 @@ class Priority:
     alone: int
     shortened: int
     rank: int
+
+    def told_by(self, command: int) -> tuple[int, int, int, int]:
+        """The steps that tell what a command changes, as :func:`~graspdsl.basis.operations.changes` takes them."""
+        return self.effect, command, self.shortened, self.alone
 
     @property
     def unit(self) -> str:
@@ -126,14 +133,27 @@ class Ticks:
 
 
 @dataclass(frozen=True, slots=True)
+class Certificate:
+    """The steps of what it takes to tell what becomes of the priorities, all of them side by side, with zeros up to the
+    largest width W of what one senses: ``sensed`` (..., L, W), their Jacobians ``effects`` (..., L, W, D) and
+    ``changes`` (..., L, 4, W): what each level alone would change, and what the command changes besides, by causes."""
+
+    sensed: int
+    effects: int
+    changes: int
+
+
+@dataclass(frozen=True, slots=True)
 class Pipeline:
     """A compiled controller. ``evaluate`` is pure: the same observation gives the same command.
 
     ``command`` is the step whose value is the displacement; ``force_residual`` and ``moment_residual`` the steps of the
     sensed net unit force (3,) and net moment (3,) [m] over the grasp's resources. ``priorities``: the levels that
-    others are subject to, highest first in each chain; the steps from ``certificate`` on serve them alone.
-    ``force_error``: the largest distance [N] of a contact force from its reference, None when no controller has one.
-    ``projections``: those of lower levels. ``limits``: lower and upper (n,) of the joints that it drives [m or rad].
+    others are subject to, highest first in each chain; ``certificate``: what is told of them, None where there are
+    none; the steps from number ``bare`` on serve that alone. ``force_error``: the largest distance [N] of a contact
+    force from its reference, None when no controller has one. ``projections``: those of lower levels. ``limits``: lower
+    and upper (n,) of the joints that it drives [m or rad]. ``backend``: what evaluates the steps of a tick. ``locked``:
+    the steps to the commands and the ranks that locked joints change.
     """
 
     steps: tuple[Step, ...]
@@ -142,20 +162,36 @@ class Pipeline:
     force_residual: int
     moment_residual: int
     priorities: tuple[Priority, ...]
-    certificate: int
+    certificate: Certificate | None
+    bare: int
     projections: tuple[Projection, ...] = ()
     force_error: int | None = None
     limits: tuple[Array, Array] | None = None
+    backend: Backend = NUMPY
+    locked: tuple[int, ...] = ()
+    _compiled: dict[bool, Callable[[Observation], Values]] = field(default_factory=dict, compare=False, repr=False)
 
     def values(self, observation: Observation, *, certified: bool = True) -> list[Array]:
         """The value of every step for an observation, in the order of the steps; ``certified``: also of those that
         serve the priorities alone."""
         values: list[Array] = []
-        for step in self.steps if certified else self.steps[: self.certificate]:
+        for step in self.steps if certified else self.steps[: self.bare]:
             if step.reading is not None:
                 values.append(getattr(observation, step.reading))
             else:
                 values.append(step.function(*[values[i] for i in step.inputs]))
+        return values
+
+    def _values_with(self, observation: Observation, free: Values) -> Values:
+        """The values, by their steps, of those that change when joints are locked; of the others those of a free
+        hand."""
+        values = dict(enumerate(free)) if isinstance(free, Sequence) else dict(free)
+        for place in self.locked:
+            step = self.steps[place]
+            if step.reading is not None:
+                values[place] = getattr(observation, step.reading)
+            elif place in values:
+                values[place] = step.function(*[values[i] for i in step.inputs])
         return values
 
     def evaluate(self, observation: Observation) -> Tick:
@@ -168,54 +204,87 @@ class Pipeline:
         A joint that the command would take beyond a limit is locked, and the command made anew by the others, until
         none is. ``certified``: whether to tell what becomes of the priorities.
         """
-        evaluated: dict[bytes, list[Array]] = {}
+        batch, told = observation.points.shape[:-2], self.certificate if certified else None
+        free = values = self._tick_values(observation, certified=certified)
+        displacement, locked = free[self.command], np.zeros(observation.joints.shape, dtype=bool)
+        changes = free[told.changes] if told else np.zeros((*batch, 0, 4, 0))
+        commands = [self.command, *(one.alone for one in self.priorities if told)]
+        if any(self._beyond(observation.joints, free[step]).any() for step in commands):
+            (displacement, locked, values), *alone = self._with_locks(observation, free, commands, certified=certified)
+            made = (
+                operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
+                for one, (moved, _, _) in zip(self.priorities, alone, strict=False)
+            )
+            changes = operations.side_by_side(2, -1, *made) if told else changes
 
-        def carried_out(command: int) -> tuple[Array, Flags]:
-            """The value of a command with its own locked joints, and which these are."""
-            locked = np.zeros_like(observation.joints, dtype=bool)
-            while True:
-                if (key := locked.tobytes()) not in evaluated:
-                    seen = _with_locked(observation, locked) if locked.any() else observation
-                    evaluated[key] = self.values(seen, certified=certified)
-                displacement = evaluated[key][command]
-                displacement = np.where(locked, 0.0, displacement) if locked.any() else displacement
-                beyond = self._beyond(observation.joints, displacement)
-                if not beyond.any():
-                    return displacement, locked
-                locked = locked | beyond
+        def of_each(value: Array, *shape: int) -> Array:
+            return value if value.ndim == len(batch) + len(shape) else np.broadcast_to(value, (*batch, *shape))
 
-        displacement, locked = carried_out(self.command)
-        values, free = evaluated[locked.tobytes()], next(iter(evaluated.values()))
-        batch = observation.points.shape[:-2]
-
-        def of_each(steps: Iterable[int]) -> Array:
-            columns = [np.broadcast_to(values[step], batch) for step in steps]
-            return np.stack(columns, axis=-1) if columns else np.zeros((*batch, 0))
-
-        def changed(priority: Priority) -> tuple[Array, Array, Array, Array]:
-            """What is sensed (..., d), its Jacobian (..., d, D), and what changes it: itself and the three causes."""
-            effect = np.broadcast_to(free[priority.effect], (*batch, *free[priority.effect].shape[-2:]))
-            stages = (free[self.command], free[priority.shortened], free[priority.alone], displacement,
-                      carried_out(priority.alone)[0])  # fmt: skip
-            whole, shortened, alone, whole_locked, alone_locked = (step.reshape(*batch, -1) for step in stages)
-            causes = [whole - shortened, shortened - alone, (whole_locked - whole) - (alone_locked - alone)]
-            made = times(effect[..., None, :, :], np.stack([alone_locked, *causes], axis=-2))
-            return free[priority.sensed].reshape(*batch, -1), effect, made[..., 0, :], made[..., 1:, :]
-
-        error = np.full(batch, np.nan) if self.force_error is None else np.broadcast_to(values[self.force_error], batch)
-        sensed, effects, own, parts = _side_by_side(batch, [changed(one) for one in self.priorities if certified])
+        sensed = free[told.sensed] if told else np.zeros((*batch, 0, 0))
+        effects = free[told.effects] if told else np.zeros((*batch, 0, 0, 0))
+        ranks = [of_each(values[one.rank]) for one in self.priorities]
         return Ticks(
             displacement=displacement,
             force_residual=values[self.force_residual],
             moment_residual=values[self.moment_residual],
-            force_error=error,
-            ranks=of_each(priority.rank for priority in self.priorities),
+            force_error=np.full(batch, np.nan) if self.force_error is None else of_each(values[self.force_error]),
+            ranks=packed(*ranks) if ranks else np.zeros((*batch, 0)),
             locked=locked,
             sensed=sensed,
-            effects=effects,
-            own=own,
-            parts=parts,
+            effects=of_each(effects, *effects.shape[-3:]),
+            own=changes[..., 0, :],
+            parts=changes[..., 1:, :],
         )
+
+    def _tick_values(self, observation: Observation, *, certified: bool) -> Values:
+        """The values, by their steps, of all that a tick is made of."""
+        if self.backend is NUMPY:
+            return self.values(observation, certified=certified)
+        if certified not in self._compiled:
+            self._compiled[certified] = self._as_compiled(certified=certified)
+        return self._compiled[certified](observation)
+
+    def _as_compiled(self, *, certified: bool) -> Callable[[Observation], Values]:
+        """The values of all that a tick is made of, as the backend compiles them."""
+        told = self.certificate if certified else None
+        outputs = {self.command, self.force_residual, self.moment_residual, *(one.rank for one in self.priorities)}
+        outputs |= set() if self.force_error is None else {self.force_error}
+        if told is not None:
+            outputs |= {told.sensed, told.effects, told.changes}
+            outputs |= {step for one in self.priorities for step in one.told_by(self.command)}
+        steps = self.steps if certified else self.steps[: self.bare]
+        evaluation = _Evaluation(steps, tuple(sorted(outputs)), self.backend)
+        compiled = self.backend.compiled(evaluation)
+
+        def values(observation: Observation) -> Values:
+            read = [np.asarray(getattr(observation, name)) for name in evaluation.read]
+            return dict(zip(evaluation.outputs, compiled(observation.points.shape[:-2], *read), strict=True))
+
+        return values
+
+    def _with_locks(
+        self, observation: Observation, free: Values, commands: Iterable[int], *, certified: bool
+    ) -> Iterator[tuple[Array, Flags, Values]]:
+        """Of each command what of it can be carried out, the joints that it locks, and all values when these are.
+
+        free: the values when none is.
+        """
+        evaluated = {np.zeros(observation.joints.shape, dtype=bool).tobytes(): free}
+        for command in commands:
+            locked = np.zeros(observation.joints.shape, dtype=bool)
+            while True:
+                if (key := locked.tobytes()) not in evaluated:
+                    seen = _with_locked(observation, locked)
+                    if self.backend is NUMPY:
+                        evaluated[key] = self._values_with(seen, free)
+                    else:
+                        evaluated[key] = self._tick_values(seen, certified=certified)
+                displacement = np.where(locked, 0.0, evaluated[key][command])
+                beyond = self._beyond(observation.joints, displacement)
+                if not beyond.any():
+                    break
+                locked = locked | beyond
+            yield displacement, locked, evaluated[key]
 
     def _beyond(self, joints: Array, displacement: Array) -> Flags:
         """Which joints (..., n) a displacement takes beyond their limits."""
@@ -226,24 +295,29 @@ class Pipeline:
         return ((after < lower) & (displacement < 0.0)) | ((after > upper) & (displacement > 0.0))
 
 
-def _side_by_side(batch: tuple[int, ...], found: Sequence[tuple[Array, ...]]) -> list[Array]:
-    """Of each priority four arrays as one array of each, (..., L, …), with zeros where one senses less than another."""
-    if not found:
-        return [np.zeros((*batch, 0, *shape)) for shape in ((0,), (0, 0), (0,), (3, 0))]
-    width = max(sensed.shape[-1] for sensed, *_ in found)
+class _Evaluation:
+    """The values of some steps as a function of what is read, the same for steps that do the same."""
 
-    def wide(values: Array, axis: int) -> Array:
-        if values.shape[axis] == width:
-            return values
-        missing = list(values.shape)
-        missing[axis] = width - values.shape[axis]
-        return np.concatenate([values, np.zeros(missing)], axis=axis)
+    def __init__(self, steps: Sequence[Step], outputs: tuple[int, ...], backend: Backend) -> None:
+        self.outputs = outputs
+        self.read = tuple(step.reading for step in steps if step.reading is not None)
+        self._steps, self._backend = steps, backend
+        self._does = (outputs, *((fingerprint(step.function), step.inputs, step.reading) for step in steps))
 
-    axes = (-1, -2, -1, -1)
-    return [
-        np.stack([wide(values, axis) for values in arrays], axis=len(batch))
-        for arrays, axis in zip(zip(*found, strict=True), axes, strict=True)
-    ]
+    def __call__(self, *read: Array) -> tuple[Array, ...]:
+        left, values = iter(read), list[Array]()
+        for step in self._steps:
+            if step.reading is not None:
+                values.append(next(left))
+            else:
+                values.append(self._backend.own(step.function)(*[values[i] for i in step.inputs]))
+        return tuple(values[output] for output in self.outputs)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Evaluation) and self._does == other._does
+
+    def __hash__(self) -> int:
+        return hash(self._does)
 
 
 def _with_locked(observation: Observation, locked: Flags) -> Observation:
@@ -304,6 +378,18 @@ class PipelineBuilder:
             self._known[key] = len(self.steps)
             self.steps.append(step)
         return self._known[key]
+
+
+def steps_between(steps: Sequence[Step], readings: Collection[str], outputs: Iterable[int]) -> tuple[int, ...]:
+    """The steps by which some output depends on some reading, in order."""
+    after, before = set[int](), set(outputs)
+    for place, step in enumerate(steps):
+        if step.reading in readings or not after.isdisjoint(step.inputs):
+            after.add(place)
+    for place in reversed(range(len(steps))):
+        if place in before:
+            before.update(steps[place].inputs)
+    return tuple(sorted(after & before))
 
 
 def _nothing() -> Array:

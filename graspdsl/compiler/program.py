@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeVar
 from graspdsl.basis.potentials import lowering
 from graspdsl.basis.prelude import Definition, prelude
 from graspdsl.basis.spaces import GradientSpace
+from graspdsl.compiler.backend_check import unfit
 from graspdsl.compiler.check import Checker
 from graspdsl.compiler.complaints import Complaints, span_of
 from graspdsl.compiler.declarations import DEFAULT_WORLD, HAND, MOUNT, Declarations, PhaseEntry, declarations_of
@@ -259,13 +260,23 @@ def program_of(
 
 
 def missing_engine(program: Program) -> Diagnostic | None:
-    """What there is to say of a sound spec whose world cannot be made by this Python, at its place; else None."""
-    missing = absence(program.world)
+    """What there is to say of a sound spec that this Python cannot run, at its place; else None."""
+    source, missing = program.source, lacking(program)
     if missing is None:
         return None
-    source, path = program.source, ("scene", "world")
+    complaint, path = missing
     document = read_document(source.text, source.name, source.overrides).document
-    return document.attributed(path, replace(missing, span=document.span(path)))
+    return document.attributed(path, replace(complaint, span=document.span(path)))
+
+
+def lacking(program: Program) -> tuple[Diagnostic, Path] | None:
+    """What keeps this Python from running a program, and which key of the spec asks for it: a world or a backend that
+    needs what is not installed, or a backend that cannot evaluate what a plug-in brings."""
+    if (missing := absence(program.world)) is not None:
+        return missing, ("scene", "world")
+    foreign = program.pipelines() if program.plugins else ()
+    refused = unfit(program.target.backend, foreign, program.robot)
+    return None if refused is None else (refused, ("control", "backend"))
 
 
 def examine_expression(text: str, around: Surroundings = USUAL) -> tuple[CheckedPhase, Robot]:

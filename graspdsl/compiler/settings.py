@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.backends import BACKENDS, Backend
 from graspdsl.hands.descriptions import Robot, joint_limits
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.surfaces.surface import Surface
@@ -38,6 +39,11 @@ class Target:
     def rate(self) -> float:
         """Ticks a second."""
         return self.world.rate
+
+    @property
+    def backend(self) -> Backend:
+        """What evaluates the pipelines."""
+        return BACKENDS[self.control.backend]
 
     @property
     def probes(self) -> bool:

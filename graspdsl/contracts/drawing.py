@@ -9,7 +9,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import spherical_frames, spherical_stretch, tangent_frames
-from graspdsl.basis.effectors import Effector
+from graspdsl.basis.effectors import Effector, sphere_by_cartesian
+from graspdsl.basis.operations import transposed_times
 from graspdsl.basis.resources import ContactResource, ContactSet, JointSet
 from graspdsl.basis.sensors import Sensor
 from graspdsl.basis.spaces import GradientSpace
@@ -72,6 +73,8 @@ def inputs(
         **drawn,
         "frames": frames,
         "stretch": coordinates.stretch(drawn["normals"]),
+        "tangents": sphere_by_cartesian(frames, coordinates.stretch(drawn["normals"])),
+        "into": transposed_times(drawn["jacobian"], drawn["normals"]),
         "shape_operators": frames @ (local + np.swapaxes(local, -1, -2)) @ np.swapaxes(frames, -1, -2),
     }
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
 from graspdsl.hands.fingertips import SphereTip
@@ -43,6 +42,8 @@ class PressedBalls:
     @classmethod
     def drawn(cls, *forces: float, seed: int = 0) -> PressedBalls:
         """Turned and placed at random."""
+        from scipy.spatial.transform import Rotation
+
         random, count = np.random.default_rng(seed), len(forces)
         inward = random.normal(size=(count, 3))
         inward /= np.linalg.norm(inward, axis=1, keepdims=True)
@@ -85,11 +86,6 @@ class PressedBalls:
         """So deep that the dent makes the force; a centimetre away without one."""
         dents = map(_dent, self.forces)
         return [(-d, point) if -d < within else None for d, point in zip(dents, self.points, strict=True)]
-
-    def jacobian(self, tip: int, place: Array) -> Array:
-        """They do not move."""
-        del tip, place
-        return np.zeros((3, 0))
 
 
 @cache

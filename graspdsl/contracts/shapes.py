@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from graspdsl.arrays import Array, Flags
 from graspdsl.contracts.keys import not_again, too_lenient, undescribed, unsaid
@@ -117,6 +116,8 @@ def hulls(kind: type[DescribedShape]) -> Iterator[Breach]:
                 "let them agree",
             )
             return
+    from scipy.spatial import ConvexHull
+
     points = _cells(shape, FEW_CELLS)[0].reshape(-1, 3)
     within = shape.inside()(points.reshape(FEW_CELLS**2, FEW_CELLS, 3)).ravel()
     filled = np.zeros(len(points), dtype=bool)

@@ -321,7 +321,7 @@ def side_by_side(kind: WorldKind) -> Iterator[Breach]:
                 world.keep(rows)
                 many = world.observe()
             for row, trial in enumerate(rows.tolist()):
-                if not same(_one_of(many, row), alone[trial][tick]):
+                if not same(many.row(row), alone[trial][tick]):
                     yield f"trial {trial} of {len(rows)} is not what it is alone", "keep the rows apart: (..., k, 3)"
                     return
             command = _command(world, space, SMALL, tick)
@@ -421,9 +421,3 @@ def _stepped(world: WitnessedWorld, command: Command, ticks: int) -> Observation
     for _ in range(ticks):
         seen = world.step(command)
     return seen
-
-
-def _one_of(many: Observation, row: int) -> Observation:
-    """The observation of one of many trials."""
-    parts = {field.name: getattr(many, field.name) for field in fields(many)}
-    return Observation(**{name: part if name == "time" else part[row] for name, part in parts.items()})

@@ -13,12 +13,12 @@ from typing import Annotated, Self
 from xml.etree import ElementTree
 
 import numpy as np
-import yaml
 from pydantic import AfterValidator, Field, PrivateAttr, model_validator
 
 from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
 from graspdsl.hands.fingertips import Angles, CapsuleTip, Directed, EllipsoidTip, FingertipShape, Place, SphereTip
+from graspdsl.places.data_files import data_in
 from graspdsl.places.fields import Count, Metres, Model, Number, fault
 from graspdsl.spec.models import folder_name
 
@@ -216,7 +216,7 @@ def _model(file: str) -> str:
 
 def _catalogue(kind: str) -> Iterator[tuple[str, object]]:
     for path in sorted(HERE.glob("*.yaml")):
-        document = yaml.safe_load(path.read_text("utf-8"))
+        document = data_in(path)
         if kind in document:
             yield document[kind], document
 

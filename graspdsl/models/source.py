@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree
-from xml.sax.saxutils import quoteattr
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.places.wording import shortened
@@ -79,6 +78,8 @@ def prepared(file: str, tree: ElementTree.Element, meshes: Mapping[str, ElementT
     elements: list[ElementTree.Element] = []
 
     def write(element: ElementTree.Element) -> None:
+        from xml.sax.saxutils import quoteattr  # which brings a web client along
+
         attributes = (f" {key}={quoteattr(value)}" for key, value in element.attrib.items() if _is_plain(key))
         lines.append(f"<{element.tag}{''.join(attributes)}>")
         elements.append(element)

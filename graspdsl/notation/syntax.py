@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import functools
+import os
+import sys
+import zlib
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -43,18 +47,31 @@ class Halt:
 
 @functools.cache
 def grammar() -> Lark:
-    """The parser for grammar.lark, with the contextual lexer."""
+    """The parser for grammar.lark, with the contextual lexer. Once made, it is kept as Python keeps its bytecode."""
     # Importing Lark takes longer than importing the rest of the notation, and printing does not need it.
-    from lark import Lark
+    from lark import Lark, __version__
 
-    return Lark(
-        TEXT.read_text(encoding="utf-8"),
+    text = TEXT.read_text(encoding="utf-8")
+    tag = f"{sys.implementation.cache_tag}-lark-{__version__}-{zlib.crc32(text.encode()):08x}"
+    kept = TEXT.parent / "__pycache__" / f"grammar.{tag}.pickle"
+    with suppress(Exception), kept.open("rb") as file:  # not there, or none that can be read: then it is made
+        return Lark.load(file)
+    made = Lark(
+        text,
         parser="lalr",
         lexer="contextual",
         start=["expression", "head", "resources"],
         propagate_positions=True,
         maybe_placeholders=False,
     )
+    if not sys.dont_write_bytecode:
+        with suppress(OSError):  # nobody may write there
+            kept.parent.mkdir(exist_ok=True)
+            own = kept.with_suffix(f".{os.getpid()}")
+            with own.open("wb") as file:
+                made.save(file)
+            own.replace(kept)
+    return made
 
 
 def read(folded: str, start: Start) -> Tree[Token] | Halt:

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, repeated
 from graspdsl.objects.facets import Hull, round_hull
 from graspdsl.objects.mass import Solid, symmetric
 from graspdsl.objects.shape import UPRIGHT, DescribedShape, Extent, Sizes
@@ -18,7 +18,7 @@ from graspdsl.objects.surfaces.sampling import accepted
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.objects.surfaces.vectors import axis_of_least, directions, lengths
 
-ENOUGH = 4 * float(np.finfo(np.float64).eps)
+ENOUGH = 1.0 + 4 * float(np.finfo(np.float64).eps)
 MOST_PASSES = 100
 OFF_THE_PLANE = 1e-100
 
@@ -102,19 +102,21 @@ class SmoothEllipsoid(Surface):
         axes = np.array(self.semi_axes)
         least = int(np.argmin(axes))
         spread = axes**2 - axes[least] ** 2
-        scaled = np.abs(points) * axes
-        scaled[..., least] = np.maximum(scaled[..., least], OFF_THE_PLANE * axes[least] ** 2)
-        root = np.max(scaled - spread, axis=-1)
-        for _ in range(MOST_PASSES):
+        xp, floor = namespace(points), np.zeros(3)
+        floor[least] = OFF_THE_PLANE * axes[least] ** 2
+        scaled = xp.maximum(xp.abs(points) * axes, floor)
+
+        def seen_from(root: Array) -> tuple[Array, ...]:
             shares = scaled / (root[..., None] + spread)
-            length = lengths(shares)
-            unfinished = length > 1.0 + ENOUGH
-            if not np.any(unfinished):
-                break
-            slope = lengths(shares / np.sqrt(root[..., None] + spread)) ** 2
-            root = np.where(unfinished, root + (length - 1.0) * length**2 / slope, root)
-        result: Array = np.copysign(axes * shares / length[..., None], points)
-        return result
+            return root, shares, lengths(shares)
+
+        def nearer(root: Array, shares: Array, length: Array) -> tuple[Array, ...]:
+            slope = lengths(shares / xp.sqrt(root[..., None] + spread)) ** 2
+            return seen_from(xp.where(length > ENOUGH, root + (length - 1.0) * length**2 / slope, root))
+
+        first = seen_from((scaled - spread).max(axis=-1))
+        _, shares, length = repeated(first, lambda *state: state[2] > ENOUGH, nearer, MOST_PASSES)
+        return xp.copysign(axes * shares / length[..., None], points)
 
     def sample(self, count: int, random: np.random.Generator) -> Array:
         """Points u of the unit sphere, stretched and kept in proportion to |(u_i / a_i)|, the growth of area there."""

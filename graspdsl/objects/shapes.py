@@ -8,8 +8,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from graspdsl.objects.bottle import Bottle
 from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Loft, Placed, standing
@@ -18,6 +16,7 @@ from graspdsl.objects.ellipsoid import Ellipsoid
 from graspdsl.objects.shape import DescribedShape, Extent, Shape
 from graspdsl.objects.sphere import Sphere
 from graspdsl.objects.superquadric import Superquadric
+from graspdsl.places.data_files import data_in
 
 SHAPES: dict[str, type[DescribedShape]] = {
     "cylinder": Cylinder,
@@ -71,7 +70,7 @@ def _size(size: Sequence[float]) -> Extent:
 @cache
 def catalogue() -> dict[str, Body]:
     """The objects that a spec can name; those of ``objects_in`` can be added to it."""
-    entries = yaml.safe_load(Path(__file__).with_name("catalogue.yaml").read_text("utf-8"))
+    entries = data_in(Path(__file__).with_name("catalogue.yaml"))
     return {
         name: Body(name, shape_from(entry), float(entry["mass"]), entry.get("about", ""))
         for name, entry in entries.items()

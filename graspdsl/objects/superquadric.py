@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from graspdsl.arrays import Array, Flags
+from graspdsl.arrays import Array, Flags, namespace, repeated
 from graspdsl.objects.facets import Hull, round_hull
 from graspdsl.objects.mass import Solid, dirichlet, symmetric
 from graspdsl.objects.shape import DescribedShape, Extent, Sizes
@@ -20,6 +20,7 @@ from graspdsl.objects.surfaces.vectors import axis_of_least, directions, dot, la
 from graspdsl.places.fields import Number
 
 EPSILON = float(np.finfo(np.float64).eps)
+ENOUGH = 1.0 + 4.0 * EPSILON
 MOST_PASSES = 100
 
 
@@ -90,11 +91,11 @@ class SmoothSuperquadric(Surface):
 
     def normals(self, points: Array) -> Array:
         """sign(u_i) |u_i|^(p−1) / a_i, normalised, (..., 3); at the centre the direction of the least axis."""
-        axes = np.array(self.semi_axes)
-        scaled = np.abs(points) / axes
+        xp, axes = namespace(points), np.array(self.semi_axes)
+        scaled = xp.abs(points) / axes
         size = largest(scaled)[..., None]
-        steepness = (scaled / np.where(size > 0.0, size, 1.0)) ** (self.exponent - 1.0)
-        return directions(np.copysign(steepness / axes, points), otherwise=axis_of_least(self.semi_axes))
+        steepness = (scaled / xp.where(size > 0.0, size, 1.0)) ** (self.exponent - 1.0)
+        return directions(xp.copysign(steepness / axes, points), otherwise=axis_of_least(self.semi_axes))
 
     def nearest(self, points: Array) -> Array:
         """The nearest point (..., 3) [m] by Newton's method, which converges from every point.
@@ -110,24 +111,21 @@ class SmoothSuperquadric(Surface):
         A point inside is first put, along the normal, on the tangent plane where the ray from the centre through it
         meets the surface. Its result is the nearest point up to the square of its depth.
         """
-        axes = np.array(self.semi_axes)
-        outside = self._put_outside(points)
-        flat = np.abs(outside).reshape(-1, 3) / axes
-        feet, gauge = flat.copy(), self._gauge(flat)
-        multiplier, rest = np.zeros(len(flat)), np.arange(len(flat))
-        for _ in range(MOST_PASSES):
-            rest = rest[gauge[rest] > 1.0 + 4.0 * EPSILON]
-            if not rest.size:
-                break
-            u, length = feet[rest], gauge[rest]
-            powers = u ** (self.exponent - 2.0)
-            weights = powers / (axes**2 + (self.exponent - 1.0) * multiplier[rest, None] * powers)
-            slope = dot(u**2 * powers, weights)
-            multiplier[rest] += (length - 1.0) * length**self.exponent / slope
-            feet[rest] = self._roots(multiplier[rest, None] / axes**2, flat[rest], u)
-            gauge[rest] = self._gauge(feet[rest])
-        result: Array = np.copysign(axes * (feet / gauge[:, None]).reshape(points.shape), outside)
-        return result
+        xp, axes, outside = namespace(points), np.array(self.semi_axes), self._put_outside(points)
+        values = xp.abs(outside) / axes
+
+        def nearer(multiplier: Array, feet: Array, gauge: Array) -> tuple[Array, Array, Array]:
+            far = gauge > ENOUGH
+            powers = feet ** (self.exponent - 2.0)
+            weights = powers / (axes**2 + (self.exponent - 1.0) * multiplier[..., None] * powers)
+            slope = dot(feet**2 * powers, weights)
+            multiplier = xp.where(far, multiplier + (gauge - 1.0) * gauge**self.exponent / slope, multiplier)
+            feet = xp.where(far[..., None], self._roots(multiplier[..., None] / axes**2, values, feet), feet)
+            return multiplier, feet, xp.where(far, self._gauge(feet), gauge)
+
+        first = (xp.zeros_like(values[..., 0]), values, self._gauge(values))
+        _, feet, gauge = repeated(first, lambda *state: state[2] > ENOUGH, nearer, MOST_PASSES)
+        return xp.copysign(axes * (feet / gauge[..., None]), outside)
 
     def sample(self, count: int, random: np.random.Generator) -> Array:
         """Points of a cube, drawn to the surface along rays and kept in proportion to the growth of area there.
@@ -154,33 +152,34 @@ class SmoothSuperquadric(Surface):
 
     def _gauge(self, scaled: Array) -> Array:
         """|u|_p, (...)."""
-        size = largest(scaled)
-        powers = (np.abs(scaled) / np.where(size > 0.0, size, 1.0)[..., None]) ** self.exponent
-        result: Array = size * (powers[..., 0] + powers[..., 1] + powers[..., 2]) ** (1.0 / self.exponent)
-        return result
+        xp, size = namespace(scaled), largest(scaled)
+        powers = (xp.abs(scaled) / xp.where(size > 0.0, size, 1.0)[..., None]) ** self.exponent
+        return size * (powers[..., 0] + powers[..., 1] + powers[..., 2]) ** (1.0 / self.exponent)
 
     def _put_outside(self, points: Array) -> Array:
         """Points outside as they are, those inside on a tangent plane nearby, (..., 3)."""
-        axes, normals = np.array(self.semi_axes), self.normals(points)
+        xp, axes, normals = namespace(points), np.array(self.semi_axes), self.normals(points)
         gauge = self._gauge(points / axes)
-        inside: Flags = gauge < 1.0
-        feet = np.where(
+        feet = xp.where(
             gauge[..., None] > 0.0,
-            points / np.where(gauge > 0.0, gauge, 1.0)[..., None],
+            points / xp.where(gauge > 0.0, gauge, 1.0)[..., None],
             axis_of_least(self.semi_axes) * axes,
         )
-        depth = np.where(inside, dot(feet - points, normals), 0.0)
-        result: Array = points + depth[..., None] * normals
-        return result
+        depth = xp.where(gauge < 1.0, dot(feet - points, normals), 0.0)
+        return points + depth[..., None] * normals
 
     def _roots(self, slopes: Array, values: Array, above: Array) -> Array:
-        """The u ≤ ``above`` with u + m u^(p−1) = v for slopes m > 0 and values v ≥ 0, (n, 3)."""
-        u = np.minimum(above, (values / slopes) ** (1.0 / (self.exponent - 1.0)))
-        for _ in range(MOST_PASSES):
+        """The u ≤ ``above`` with u + m u^(p−1) = v for slopes m ≥ 0 and values v ≥ 0, (..., 3)."""
+        xp = namespace(values)
+
+        def seen_from(u: Array) -> tuple[Array, Array, Array, Flags]:
             steep = slopes * u ** (self.exponent - 2.0)
             excess = u + steep * u - values
-            unfinished = excess > 4.0 * EPSILON * values
-            if not np.any(unfinished):
-                break
-            u = np.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u)
-        return u
+            return u, steep, excess, excess > 4.0 * EPSILON * values
+
+        def nearer(u: Array, steep: Array, excess: Array, unfinished: Flags) -> tuple[Array, Array, Array, Flags]:
+            return seen_from(xp.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u))
+
+        steepest = (values / xp.where(slopes > 0.0, slopes, 1.0)) ** (1.0 / (self.exponent - 1.0))
+        first = xp.where(slopes > 0.0, xp.minimum(above, steepest), values)
+        return repeated(seen_from(first), lambda *state: state[3], nearer, MOST_PASSES)[0]

@@ -82,10 +82,10 @@ class Carrier:
     goes to squeeze is added to the path. The world keeps joints within their limits.
     """
 
-    def __init__(self, world: PalmWorld, robot: Robot, contacts: Sequence[int]) -> None:
-        self._world, self._mount_joints = world, len(robot.mount.joints)
-        self.observation: Observation = world.step(Command("q", np.zeros(len(world.info.joints))))
-        self._squeeze = Squeeze(robot, contacts, self.observation)
+    def __init__(self, world: PalmWorld, robot: Robot, contacts: Sequence[int], observation: Observation) -> None:
+        """observation: the present one; the latest is to be put in its place before each command."""
+        self._world, self._mount_joints, self.observation = world, len(robot.mount.joints), observation
+        self._squeeze = Squeeze(robot, contacts, observation)
         palm = world.palm()
         self._start, self._rotation = palm.position, palm.rotation
         self._offset = np.zeros(3)
@@ -95,8 +95,8 @@ class Carrier:
         """The present squeeze [N], as the hand senses it."""
         return self._squeeze.force(self.observation)
 
-    def tick(self, offset: Array, squeeze: float) -> None:
-        """One tick in which the palm goes to an offset (3,) [m] from where it took hold; squeeze [N].
+    def command(self, offset: Array, squeeze: float) -> Command:
+        """That of a tick in which the palm goes to an offset (3,) [m] from where it took hold; squeeze [N].
 
         The step of the path is fed forward and what is left of the last one fed back.
         """
@@ -111,4 +111,4 @@ class Carrier:
         self._offset = offset
         self._start = self._start + given_way[:3]
         self._rotation = exponential(given_way[3:]) @ self._rotation
-        self.observation = self._world.step(Command("q", step))
+        return Command("q", step)

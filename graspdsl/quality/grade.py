@@ -15,7 +15,7 @@ from graspdsl.hands.descriptions import Robot
 from graspdsl.quality.contact_models import SoftFinger, contact_model
 from graspdsl.quality.wrench_space import WrenchSpace, wrench_space
 from graspdsl.spec.grading import RADIUS_OF_GYRATION, Grading
-from graspdsl.worlds.protocol import PalmWorld
+from graspdsl.worlds.protocol import PalmWorld, Test
 
 NO_CONTACTS = "no contacts"
 CRASHED = "the simulation failed"
@@ -129,6 +129,11 @@ class Grade(ABC):
     def label(self) -> str:
         """What a page calls it."""
         return self.title or self.name.replace("-", " ")
+
+    def test(self, grasp: Grasp) -> Test[None]:
+        """What is done with a grasp that is not missing in its world before ``of`` is asked: nothing."""
+        del grasp
+        yield from ()
 
     @abstractmethod
     def of(self, grasp: Grasp) -> Found:

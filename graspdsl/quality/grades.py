@@ -9,6 +9,7 @@ from graspdsl.quality.force_closure import ForceClosureGrade
 from graspdsl.quality.grade import Found, Grade, Grasp
 from graspdsl.quality.grasp_matrix import GraspMatrixGrade
 from graspdsl.quality.lift_and_shake import LiftGrade, ShakeGrade
+from graspdsl.worlds.protocol import Test
 
 _BUILT_IN: tuple[Grade, ...] = (
     ForceClosureGrade(),
@@ -20,6 +21,12 @@ _BUILT_IN: tuple[Grade, ...] = (
 GRADES: dict[str, Grade] = {grade.name: grade for grade in _BUILT_IN}
 
 
-def graded(grasp: Grasp, asked: Container[str]) -> dict[str, Found]:
-    """What the grades of these names say of a grasp, in the order of the table."""
-    return {name: grade.of(grasp) for name, grade in GRADES.items() if name in asked}
+def graded(grasp: Grasp, asked: Container[str]) -> Test[dict[str, Found]]:
+    """What the grades of these names say of a grasp, in the order of the table, and what that takes."""
+    found = dict[str, Found]()
+    for name, grade in GRADES.items():
+        if name in asked:
+            if not grasp.missing:
+                yield from grade.test(grasp)
+            found[name] = grade.of(grasp)
+    return found

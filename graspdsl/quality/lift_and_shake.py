@@ -6,7 +6,6 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.quality.carrying import Carrier
 from graspdsl.quality.grade import Found, Grade, Grasp, Metric, Quantity
-from graspdsl.worlds.protocol import PARTIES, Truth, WorldCrashError
+from graspdsl.worlds.protocol import PARTIES, Command, Test, Truth, WorldCrashError
 
 AXES = np.eye(3)
 UP = AXES[2]
@@ -94,64 +93,87 @@ class Held:
 class Handled:
     """The test of a grasp: its object is squeezed and lifted, and then, if it is asked, shaken.
 
-    The world goes on from where it is and is not put back.
+    The world goes on from where it is and is not put back. ``lift``, ``shake``: whether the object was kept; None
+    before that was tried.
     """
 
     def __init__(self, grasp: Grasp, handling: Handling = TEST) -> None:
         self._grasp, self._handling = grasp, handling
+        self._test: _Test | None = None
+        self.lift: Held | None = None
+        self.shake: Held | None = None
 
-    @cached_property
-    def lift(self) -> Held:
-        """Whether the object was kept when lifted and held."""
-        return self._kept(_Test.lift)
+    def lifted(self) -> Test[Held]:
+        """Whether the object is kept when lifted and held."""
+        if self.lift is None:
+            try:
+                self._test = yield from _squeezed(self._grasp, self._handling)
+                self.lift = yield from self._test.lift()
+            except WorldCrashError as error:
+                self.lift = _crashed(error)
+        return self.lift
 
-    @cached_property
-    def shake(self) -> Held:
-        """Whether it was kept when shaken after that."""
-        return self._kept(_Test.shake) if self.lift.kept else Held(False, "dropped before the shake")
+    def shaken(self) -> Test[Held]:
+        """Whether it is kept when shaken after that."""
+        lift = yield from self.lifted()
+        if self.shake is None and lift.kept and self._test is not None:
+            try:
+                self.shake = yield from self._test.shake()
+            except WorldCrashError as error:
+                self.shake = _crashed(error)
+        self.shake = self.shake or Held(False, "dropped before the shake")
+        return self.shake
 
-    @cached_property
-    def _test(self) -> _Test:
-        return _Test(self._grasp, self._handling)
 
-    def _kept(self, part: Callable[[_Test], Held]) -> Held:
-        try:
-            return part(self._test)
-        except WorldCrashError as error:
-            return Held(False, str(error), borne=Metric(None, str(error)))
+def _crashed(error: WorldCrashError) -> Held:
+    return Held(False, str(error), borne=Metric(None, str(error)))
+
+
+def _squeezed(grasp: Grasp, handling: Handling) -> Test[_Test]:
+    """The test of a grasp whose hand has taken hold."""
+    assert grasp.world is not None
+    seen, truth = yield Command("q", np.zeros(len(grasp.world.info.joints)))
+    test = _Test(grasp, handling, Carrier(grasp.world, grasp.robot, list(grasp.contacts), seen), truth)
+    yield from test.squeeze()
+    return test
 
 
 class _Test:
-    def __init__(self, grasp: Grasp, handling: Handling) -> None:
+    def __init__(self, grasp: Grasp, handling: Handling, carrier: Carrier, truth: Truth) -> None:
+        """truth: that of the present tick."""
         assert grasp.world is not None
         self._world, self._contacts, self._handling = grasp.world, list(grasp.contacts), handling
-        self._carrier = Carrier(self._world, grasp.robot, self._contacts)
+        self._carrier, self._truth = carrier, truth
         self._raised, self._loads = np.zeros(3), list[Array]()
-        truth = self._world.truth()
         between = truth.points[self._contacts].mean(axis=0) - truth.object_position
         self._between = truth.object_rotation.T @ between
-        begun = self._carrier.squeeze
-        for tick in range(1, self._ticks(handling.ramp) + 1):
-            share = tick / self._ticks(handling.ramp)
-            self._carrier.tick(np.zeros(3), begun + share * (handling.squeeze - begun))
+        self._squeeze = carrier.squeeze
+
+    def squeeze(self) -> Test[None]:
+        """Raise the squeeze to that of the test."""
+        handling, begun, ticks = self._handling, self._squeeze, self._ticks(self._handling.ramp)
+        for tick in range(1, ticks + 1):
+            yield from self._carried(np.zeros(3), begun + tick / ticks * (handling.squeeze - begun))
         self._squeeze = self._carrier.squeeze
 
-    def lift(self) -> Held:
+    def lift(self) -> Test[Held]:
+        """Lift and hold."""
         handling = self._handling
-        rest = self._held_part(self._world.truth())[2]
+        rest = self._held_part()[2]
 
         def path(time: float) -> Array:
             return np.asarray(handling.height * rise(time / handling.rise) * UP)
 
-        held = self._carry(path, handling.rise + handling.hold)
+        held = yield from self._kept_along(path, handling.rise + handling.hold)
         self._raised = path(math.inf)
-        risen = self._held_part(self._world.truth())[2] - rest
+        risen = self._held_part()[2] - rest
         if held.kept and risen < handling.height - handling.slip:
             held = dataclasses.replace(held, kept=False, reason="the object did not rise with the hand")
         borne = self._borne(self._ticks(handling.hold)) if held.kept else Metric(None, held.reason)
         return dataclasses.replace(held, borne=borne)
 
-    def shake(self) -> Held:
+    def shake(self) -> Test[Held]:
+        """Shake along three axes in turn."""
         handling = self._handling
         each = handling.cycles / handling.frequency
 
@@ -160,22 +182,24 @@ class _Test:
             cycles = handling.frequency * (time - axis * each)
             return np.asarray(self._raised + handling.amplitude * sway(cycles, handling.cycles) * AXES[axis])
 
-        return self._carry(path, 3.0 * each)
+        return (yield from self._kept_along(path, 3.0 * each))
 
-    def _carry(self, path: Callable[[float], Array], duration: float) -> Held:
+    def _carried(self, offset: Array, squeeze: float) -> Test[None]:
+        """One tick with the palm led to an offset (3,) [m]."""
+        self._carrier.observation, self._truth = yield self._carrier.command(offset, squeeze)
+
+    def _kept_along(self, path: Callable[[float], Array], duration: float) -> Test[Held]:
         """Follow a path; stop when the object has moved too far in the hand."""
-        before, largest, lost_at = self._in_palm(self._world.truth()), 0.0, None
+        before, largest, lost_at = self._in_palm(), 0.0, None
         for tick in range(1, self._ticks(duration) + 1):
             time = tick / self._world.info.rate
-            self._carrier.tick(path(time), self._handling.squeeze)
-            truth = self._world.truth()
-            self._loads.append(truth.loads)
-            largest = max(largest, float(np.linalg.norm(self._in_palm(truth) - before)))
+            yield from self._carried(path(time), self._handling.squeeze)
+            self._loads.append(self._truth.loads)
+            largest = max(largest, float(np.linalg.norm(self._in_palm() - before)))
             if not largest <= self._handling.slip:
                 lost_at = time
                 break
-        points = self._world.truth().points[self._contacts]
-        touching = int(np.isfinite(points).all(axis=1).sum())
+        touching = int(np.isfinite(self._truth.points[self._contacts]).all(axis=1).sum())
         slip = f"{1000 * self._handling.slip:.0f} mm"
         reason = "" if lost_at is None else f"the object slipped by more than {slip}"
         return Held(lost_at is None, reason, largest, touching, lost_at, self._squeeze)
@@ -186,14 +210,14 @@ class _Test:
         contacts, gravity = (loads[PARTIES.index(party), 2] for party in ("contacts", "gravity"))
         return Metric(float(contacts / -gravity)) if np.isfinite(loads).all() else Metric(None, "forces are not known")
 
-    def _in_palm(self, truth: Truth) -> Array:
+    def _in_palm(self) -> Array:
         """Where the held part of the object is in the palm's frame (3,) [m]."""
         palm = self._world.palm()
-        return np.asarray(palm.rotation.T @ (self._held_part(truth) - palm.position))
+        return np.asarray(palm.rotation.T @ (self._held_part() - palm.position))
 
-    def _held_part(self, truth: Truth) -> Array:
+    def _held_part(self) -> Array:
         """Where the part of the object is (3,) [m] that was between the contacts."""
-        return np.asarray(truth.object_position + truth.object_rotation @ self._between)
+        return np.asarray(self._truth.object_position + self._truth.object_rotation @ self._between)
 
     def _ticks(self, duration: float) -> int:
         return round(duration * self._world.info.rate)
@@ -214,12 +238,18 @@ class LiftGrade(Grade):
     quantities: ClassVar[tuple[Quantity, ...]] = (Quantity("borne", "weight borne by the contacts when lifted"),)
     handles = True
 
+    def test(self, grasp: Grasp) -> Test[None]:
+        """Squeeze, lift and hold."""
+        yield from grasp.once(Handled).lifted()
+
     def of(self, grasp: Grasp) -> Found:
         """Kept or not, and if not why, with what was measured."""
         missing = Held(False, grasp.missing, borne=Metric(None, grasp.missing))
-        return dataclasses.asdict(missing if grasp.missing else self.part(grasp.once(Handled)))
+        held = missing if grasp.missing else self.part(grasp.once(Handled))
+        assert held is not None, "it is asked of a grasp that was tested"
+        return dataclasses.asdict(held)
 
-    def part(self, handled: Handled) -> Held:
+    def part(self, handled: Handled) -> Held | None:
         """The part of the test that is judged."""
         return handled.lift
 
@@ -236,6 +266,10 @@ class ShakeGrade(LiftGrade):
     column = "kept when shaken"
     quantities = ()
 
-    def part(self, handled: Handled) -> Held:
+    def test(self, grasp: Grasp) -> Test[None]:
+        """Squeeze, lift, hold and shake."""
+        yield from grasp.once(Handled).shaken()
+
+    def part(self, handled: Handled) -> Held | None:
         """The part of the test that is judged."""
         return handled.shake

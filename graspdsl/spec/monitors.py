@@ -5,15 +5,14 @@ They watch the truth, as the chapter's human monitor did.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
-from graspdsl.arrays import Flags, Rows
+from graspdsl.arrays import Array, Flags, Rows
 from graspdsl.places.fields import Count, Model, Number, Seconds, form, forms
 from graspdsl.spec.growing import Growing, grow
 from graspdsl.spec.outcomes import DOTS, LEVEL, Outcome
@@ -133,6 +132,8 @@ class JointLimitMonitor(Lasting):
 
     def happens(self, sight: Sight) -> Flags:
         """Joints in the way, (M, n)."""
+        if not sight.stopped.any():
+            return sight.stopped
         hindering: Flags = sight.stopped & self._moved(sight) & ~sight.met[:, None]
         return hindering
 
@@ -243,33 +244,42 @@ class ProgressMonitor(Monitor):
     def __init__(self, bound: Progress, setting: Setting) -> None:
         super().__init__(bound, setting)
         self._window = bound.probes if setting.probes else max(1, round(bound.window * setting.rate))
-        self._values = np.zeros((len(setting.began), 2 * self._window))
-        self._seen = np.zeros(len(setting.began), dtype=np.intp)
+        # Values come in blocks of a window, so that the least of the last window is that of two parts: what there is of
+        # this block, and the end of the one before. Likewise of the window before, a block back.
+        count = len(setting.began)
+        self._seen, self._least = np.zeros(count, dtype=np.intp), np.zeros(count)
+        self._values, self._begins = np.zeros((2, self._window, count))
+        self._ends, self._older_ends = np.full((2, self._window + 1, count), np.inf)
 
     def speaks(self, sight: Sight) -> Flags:
         """Residuals that have stalled; one that is low enough need not fall any more."""
         if not sight.awaits_residual:
             return np.zeros(len(sight.rows), dtype=bool)
-        stalled: Flags = self._stalled(sight.rows, self._lengths(sight)) & ~sight.met
+        moments = sight.moment_residual / self.setting.curvature_radius
+        stalled: Flags = self._stalled(sight.rows, np.hypot(sight.force_residual, moments)) & ~sight.met
         return stalled
 
-    def _lengths(self, sight: Sight) -> list[float]:
-        """Force and moment in one (1), (M,)."""
-        moments = sight.moment_residual / self.setting.curvature_radius
-        return [math.hypot(*pair) for pair in zip(sight.force_residual.tolist(), moments.tolist(), strict=True)]
-
-    def _stalled(self, rows: Rows, lengths: list[float]) -> Flags:
-        width = 2 * self._window
-        self._values[rows, self._seen[rows] % width] = lengths
+    def _stalled(self, rows: Rows, lengths: Array) -> Flags:
+        """Whether the least of the last window is hardly below that of the one before, (M,), with the next lengths."""
+        place = self._seen[rows] % self._window
+        least = np.where(place == 0, lengths, np.minimum(self._least[rows], lengths))
+        self._values[place, rows], self._least[rows] = lengths, least
         self._seen[rows] += 1
-        full = self._seen[rows] >= width
-        if full.any():
-            filled = rows[full]
-            order = (self._seen[filled, None] + np.arange(width)) % width
-            values = np.take_along_axis(self._values[filled], order, axis=-1)
-            before, after = (half.min(axis=-1) for half in np.split(values, 2, axis=-1))
-            full[full] = after > (1.0 - self.bound.least) * before
-        return np.asarray(full)
+        stalled: Flags = self._seen[rows] >= 2 * self._window
+        if stalled.any():
+            after = np.minimum(least, self._ends[place + 1, rows])
+            before = np.minimum(self._begins[place, rows], self._older_ends[place + 1, rows])
+            stalled &= after > (1.0 - self.bound.least) * before
+        self._end_block(rows[place == self._window - 1])
+        return stalled
+
+    def _end_block(self, rows: Rows) -> None:
+        """The least values from the beginning of a block, and to its end, of trials that have one."""
+        if len(rows):
+            values = self._values[:, rows]
+            self._older_ends[:, rows] = self._ends[:, rows]
+            self._begins[:, rows] = np.minimum.accumulate(values)
+            self._ends[:-1, rows] = np.minimum.accumulate(values[::-1])[::-1]
 
     def detail(self, sight: Sight, place: int) -> str:
         """What is waited for."""
@@ -364,9 +374,9 @@ class MonitorBounds(Growing):
         idle = [key for key, monitor in MONITORS.items() if held and monitor.of_a_free_object]
         return self.model_copy(update={key: OFF for key in idle if key not in self.model_fields_set})
 
-    def watches(self, setting: Setting) -> list[Monitor]:
-        """The monitors that are not off, over N trials."""
-        bounds = {key: self.given(key) for key in MONITORS}
+    def watches(self, setting: Setting, lacks: Collection[str] = ()) -> list[Monitor]:
+        """The monitors that are not off, over N trials, but for those that need what a world lacks."""
+        bounds = {key: self.given(key) for key, kind in MONITORS.items() if not set(kind.needs).intersection(lacks)}
         return [MONITORS[key](bound, setting) for key, bound in bounds.items() if bound != OFF]
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from graspdsl.places.fields import Metres, Model, Number, Seconds, Unit, fault
+from graspdsl.spec.growing import Growing
 
 
 class Until(Model):
@@ -53,8 +54,11 @@ class Phase(Model):
     )
 
 
-class Control(Model):
+class Control(Growing):
     """How gradients become motion. A tick is one step of the control loop."""
+
+    later: ClassVar = {"backend"}
+    silent: ClassVar = "numpy"
 
     displacement: Literal["sliding", "probing"] = Field(
         default="sliding",
@@ -127,4 +131,9 @@ class Control(Model):
     )
     curvature_radius: Metres = Field(
         default=0.05, gt=0.0, le=100.0, description="radius (m) of the object that the gradients assume"
+    )
+    backend: Literal["numpy", "jax"] = Field(
+        default="numpy",
+        description="what evaluates a tick; numpy: each step by itself; jax: all steps compiled as one by JAX, on a "
+        "GPU where there is one; numbers agree up to rounding",
     )

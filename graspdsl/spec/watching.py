@@ -183,6 +183,7 @@ class Lasting(Monitor):
     def __init__(self, bound: float, setting: Setting) -> None:
         super().__init__(bound, setting)
         self._since = np.full((len(setting.began), self.width(setting)), np.nan)
+        self._is_on = False  # whether anything happened at the last tick of any trial
         self.lasting: Flags = np.zeros((0, 0), dtype=bool)
 
     @staticmethod
@@ -198,9 +199,13 @@ class Lasting(Monitor):
     def speaks(self, sight: Sight) -> Flags:
         """Trials in which something has gone on for longer than it may; ``lasting`` (M, w) says what."""
         happens = self.happens(sight)
+        if not (self._is_on or happens.any()):
+            self.lasting = happens
+            return np.zeros(len(happens), dtype=bool)
         since = self._since[sight.rows]
         since = np.where(happens, np.where(np.isnan(since), sight.time, since), np.nan)
         self._since[sight.rows] = since
+        self._is_on = not np.isnan(self._since).all()
         if self.bound != AT_ONCE:
             happens = np.asarray(happens & (sight.time - since > self.bound))
         self.lasting = happens

@@ -7,11 +7,12 @@ What becomes of a trial does not depend on those beside it, to the last bit.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -29,9 +30,12 @@ from graspdsl.trials.logbook import NEVER, Logbook
 from graspdsl.trials.outcomes import Ending, Outcome
 from graspdsl.worlds.protocol import (
     Command,
+    Found,
     ManyWorld,
     Observation,
+    Shown,
     Start,
+    Test,
     Truth,
     Witness,
     WitnessedWorld,
@@ -52,7 +56,8 @@ class Stage:
 
     ``kept``: the conditions of stages before it in its phase that must not be given up again, by the numbers of those
     stages; ``goes_back``: whether one of them is begun anew if they are. ``full_time``: whether it goes on to the limit
-    though its conditions hold. ``name``: what messages call it; nothing where its phase has no other.
+    though its conditions hold. ``name``: what messages call it; nothing where its phase has no other. ``contacts``: of
+    the grasp, by number.
     """
 
     number: int
@@ -65,6 +70,7 @@ class Stage:
     goes_back: bool
     full_time: bool
     name: str
+    contacts: Sequence[int]
 
     @property
     def awaits_residual(self) -> bool:
@@ -93,6 +99,7 @@ def stages_of(program: Program) -> list[Stage]:
                 goes_back=settings.hysteresis is not None,
                 full_time=settings.full_time and place == len(pipelines) - 1,
                 name=f"stage {place + 1} of {len(pipelines)}" if len(pipelines) > 1 else "",
+                contacts=list(phase.grasp.contacts),
             )
             stages.append(stage)
     return stages
@@ -112,6 +119,50 @@ def loosened(until: Until, factor: float) -> Until:
         for name, bound in (("force_residual", until.force_residual), ("moment_residual", until.moment_residual))
     }
     return until.model_copy(update=scaled)
+
+
+After = Callable[[int, Ending, Witness | None], Test[Found]]
+"""What comes after the end of a trial, by its place and its ending: with who knows what its grasp is like then, nobody
+where the world failed."""
+
+
+def over(_place: int, ending: Ending, witness: Witness | None) -> Test[tuple[Ending, Witness | None]]:
+    """Nothing comes after."""
+    yield from ()
+    return ending, witness
+
+
+class _Tests(Generic[Found]):
+    """What is done with trials after their end, by their places: the tests that are ``running``, the ``commands`` that
+    they gave last, and what was ``found`` by those that are over."""
+
+    def __init__(self) -> None:
+        self.running: dict[int, Test[Found]] = {}
+        self.commands: dict[int, Command] = {}
+        self.found: dict[int, Found] = {}
+
+    def begin(self, place: int, test: Test[Found]) -> None:
+        """The first command of a test."""
+        self._go_on(place, test, functools.partial(next, test))
+
+    def show(self, place: int, shown: Shown) -> None:
+        """What has come of the last command, for the next."""
+        test = self.running[place]
+        self._go_on(place, test, functools.partial(test.send, shown))
+
+    def end(self, place: int, error: WorldCrashError) -> None:
+        """The last command could not be carried out, nor can any other."""
+        test = self.running[place]
+        while place in self.running:
+            self._go_on(place, test, functools.partial(test.throw, error))
+
+    def _go_on(self, place: int, test: Test[Found], ask: Callable[[], Command]) -> None:
+        try:
+            self.commands[place], self.running[place] = ask(), test
+        except StopIteration as end:
+            self.found[place] = end.value
+            self.running.pop(place, None)
+            self.commands.pop(place, None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,37 +219,73 @@ class Course:
                 curvature_radius=program.spec.control.curvature_radius,
                 probes=program.probes,
                 rate=info.rate,
-            )
+            ),
+            program.world.lacks,
         )
         self._monitors_at = {
             when: sorted((monitor for monitor in self._monitors if monitor.when is when), key=lambda found: found.turn)
             for when in When
         }
 
-    def run(self, world: ManyWorld) -> Iterator[tuple[int, Ending, Witness | None]]:
-        """Run all in the world in which they have taken up their starts. Each comes as it ends: its place among the N,
-        its ending, and who knows what its grasp is like then; nobody does where the world failed."""
-        seen = self._seen
+    def run(self, world: ManyWorld, after: After[Found]) -> Iterator[tuple[int, Found]]:
+        """Run all in the world in which they have taken up their starts, and what comes after the end of each beside
+        those that still run. Each comes as that is over: its place among the N, and what was found."""
+        rows, seen, tests = self.trials, self._seen, _Tests[Found]()
         command: Command | None = None
-        endings: Mapping[int, Ending]
-        while len(self.trials):
-            began, truth = time.perf_counter(), None
+        while len(rows):
+            began = time.perf_counter()
             try:
                 if command is not None:
                     seen = world.step(command)
-                truth = world.truth()
-                turns = self.tick(seen, truth)
-                command, endings = turns.command, turns.endings
+                command = self._turn(world, rows, seen, after, tests)
             except WorldCrashError as error:
-                endings = dict.fromkeys(range(len(self.trials)), Ending(Outcome.CRASHED, str(error)))
-            self.wall_s[self.trials] += (time.perf_counter() - began) / len(self.trials)
-            for row, ending in sorted(endings.items()):
-                yield int(self.trials[row]), ending, None if truth is None else _witness(world, truth, row)
-            if endings:
-                going = np.setdiff1d(np.arange(len(self.trials)), list(endings))
-                self.trials = self.trials[going]
+                command = None
+                crashed = error.crashed or dict.fromkeys(range(len(rows)), str(error))
+                for place, said in ((int(rows[row]), said) for row, said in sorted(crashed.items())):
+                    if place in tests.running:
+                        tests.end(place, WorldCrashError(said))
+                    else:
+                        tests.begin(place, after(place, Ending(Outcome.CRASHED, said), None))
+                self.trials = np.setdiff1d(self.trials, rows[list(crashed)])
+            self.wall_s[rows] += (time.perf_counter() - began) / len(rows)
+            yield from sorted(tests.found.items())
+            if tests.found:
+                going = np.flatnonzero(~np.isin(rows, list(tests.found)))
+                rows = rows[going]
                 world.keep(going)
                 command = command and Command(command.space, command.displacement[going])
+                tests.found.clear()
+                if command is None and len(rows):
+                    seen = world.observe()
+
+    def _turn(
+        self, world: ManyWorld, rows: Rows, seen: Observation, after: After[Found], tests: _Tests[Found]
+    ) -> Command | None:
+        """A tick of trials, by their places in the rows of a world: the command that follows from it, in these rows;
+        None where all are over."""
+        truth, running = world.truth(), np.isin(rows, self.trials)
+        for row in np.flatnonzero(~running).tolist():
+            tests.show(int(rows[row]), (seen.row(row), truth.row(row)))
+        given = list[Command]()
+        if running.any():
+            chosen = np.flatnonzero(running)
+            turns = self.tick(of_rows(seen, chosen, len(rows)), of_rows(truth, chosen, len(rows)))
+            for place, ending in sorted(turns.endings.items()):
+                row = int(chosen[place])
+                tests.begin(int(rows[row]), after(int(rows[row]), ending, world.witness(row)))
+            self.trials = np.delete(self.trials, list(turns.endings))
+            given += [turns.command] if len(self.trials) else []
+            if running.all() and not tests.commands:
+                return turns.command
+        given += tests.commands.values()
+        if not given:
+            return None
+        displacement = np.zeros((len(rows), given[0].displacement.shape[-1]))
+        if len(self.trials):
+            displacement[running] = given[0].displacement
+        for place, command in tests.commands.items():
+            displacement[rows == place] = command.displacement
+        return Command(given[0].space, displacement)
 
     def tick(self, seen: Observation, truth: Truth) -> Turns:
         """The next tick of the trials that still run.
@@ -210,17 +297,21 @@ class Course:
         due = np.arange(len(trials))
         while len(due):
             at, due_next = self._at[trials[due]], []
-            for number in np.unique(at):
-                rows, stage = due[at == number], self._stages[number]
+            alike = bool((at == at[0]).all())
+            for number in at[:1] if alike else np.unique(at):
+                rows, stage = due if alike else due[at == number], self._stages[number]
                 chosen, true = of_rows(seen, rows, len(trials)), of_rows(truth, rows, len(trials))
                 ticks, ended, moved = self._look(stage, self._number, trials[rows], chosen, true)
                 endings |= {int(rows[place]): ending for place, ending in ended.items()}
-                if command.space != stage.pipeline.space:
-                    command = Command(stage.pipeline.space, np.zeros((len(trials), *ticks.displacement.shape[1:])))
-                command.displacement[rows] = ticks.displacement
+                if len(rows) == len(trials) and not moved.any():
+                    command = Command(stage.pipeline.space, ticks.displacement)
+                else:
+                    if command.space != stage.pipeline.space:
+                        command = Command(stage.pipeline.space, np.zeros((len(trials), *ticks.displacement.shape[1:])))
+                    command.displacement[rows] = ticks.displacement
                 made.append((rows, ticks))
                 due_next.append(rows[moved])
-            due = np.sort(np.concatenate(due_next))
+            due = due_next[0] if alike else np.sort(np.concatenate(due_next))
         self._number += 1
         return Turns(command, endings, made)
 
@@ -235,7 +326,7 @@ class Course:
         which go to another stage."""
         ticks = stage.pipeline.ticks(seen, certified=self._certifies)
         now = self.log.write(tick, trials, stage.phase, stage.number, seen, truth, ticks)
-        contacts = list(stage.grasp.contacts)
+        contacts = stage.contacts
         touch = seen.touching[:, contacts].all(axis=-1)
         met = touch & is_low(stage.until, ticks)
         self._note_held(tick, trials, seen.time, met)
@@ -252,7 +343,7 @@ class Course:
         sight = Sight(
             rows=trials,
             time=seen.time,
-            grasp=stage.grasp.contacts,
+            grasp=tuple(contacts),
             touching=seen.touching,
             touched=self._touched[trials],
             joints=seen.joints,
@@ -268,8 +359,7 @@ class Course:
             limit=stage.limit,
             waited_for=waited_for,
         )
-        finite = np.isfinite(truth.object_position).all(axis=-1) & np.isfinite(seen.points).all(axis=(-2, -1))
-        running = np.asarray(finite)
+        running = _are_numbers(truth.object_position, seen.points)
         endings = {int(place): LEFT_NUMBERS for place in np.flatnonzero(~running)}
         self._ask(When.TICK, sight, running, endings)
         late: Flags = seen.time >= self._deadline[trials] - ROUNDING
@@ -277,6 +367,7 @@ class Course:
         done: Flags = running & met & (held >= stage.until.hold - ROUNDING) & due
         running &= ~done
         after = np.full(len(trials), stage.number)
+        any_done = bool(done.any())
         for earlier, until in stage.kept.items():
             given_up = running & ~is_low(until, ticks) & stage.goes_back
             after[given_up] = earlier
@@ -286,21 +377,23 @@ class Course:
         endings = {place: self._told(ending, stage, trials, ticks, place) for place, ending in endings.items()}
         if stage.number + 1 < len(self._stages):
             after[done] = stage.number + 1
-        else:
+        elif any_done:
             self._ask(When.END, sight, done, endings)
             endings |= {int(place): Ending(Outcome.CONVERGED) for place in np.flatnonzero(done)}
-        moved = after != stage.number
-        for name, (values, _) in _bounded(stage.until, ticks).items() if done.any() else ():
+        for name, (values, _) in _bounded(stage.until, ticks).items() if any_done else ():
             noted = self._handed_over.setdefault((stage.number, name), np.full(len(self._at), np.nan))
             noted[trials[done]] = values[done]
-        self._move(trials[moved], stage, after[moved], seen.time)
+        moved = after != stage.number
+        if moved.any():
+            self._move(trials[moved], stage, after[moved], seen.time)
         return ticks, endings, moved
 
     def _note_held(self, tick: int, trials: Rows, now: float, met: Flags) -> None:
         """Since when the end conditions have held."""
-        begins = met & np.isnan(self._held_from[trials])
-        self._held_from[trials[begins]], self.log.held_since[trials[begins]] = now, tick
-        self._held_from[trials[~met]], self.log.held_since[trials[~met]] = np.nan, NEVER
+        since, ticks = self._held_from[trials], self.log.held_since[trials]
+        begins = np.isnan(since)
+        self._held_from[trials] = np.where(met, np.where(begins, now, since), np.nan)
+        self.log.held_since[trials] = np.where(met, np.where(begins, tick, ticks), NEVER)
 
     def _ask(
         self, when: When, sight: Sight, running: Flags, endings: dict[int, Ending], due: Flags | bool = True
@@ -378,12 +471,15 @@ def unmet(until: Until, ticks: Ticks, away: Sequence[str]) -> str:
 def _bounded(until: Until, ticks: Ticks) -> dict[str, tuple[Array, float]]:
     """Values (...) and bound of each condition that is given, by the names of the spec; NaN where none is measured."""
     measured = {
-        "force_residual": length(ticks.force_residual),
-        "moment_residual": length(ticks.moment_residual),
-        "force_error": ticks.force_error,
+        "force_residual": (ticks.force_residual, until.force_residual),
+        "moment_residual": (ticks.moment_residual, until.moment_residual),
+        "force_error": (ticks.force_error, until.force_error),
     }
-    bounds = {name: getattr(until, name) for name in measured}
-    return {name: (value, bounds[name]) for name, value in measured.items() if bounds[name] is not None}
+    return {
+        name: (value if name == "force_error" else length(value), bound)
+        for name, (value, bound) in measured.items()
+        if bound is not None
+    }
 
 
 # What is bounded, by the names of the spec: in words, its unit, and how many of these make one of the spec's.
@@ -419,8 +515,19 @@ def of_rows(whole: Batch, rows: Rows, count: int) -> Batch:
     return dataclasses.replace(whole, **parts)
 
 
+def _are_numbers(*arrays: Array) -> Flags:
+    """Whether all that arrays (M, ...) hold of a trial is finite, (M,)."""
+    finite = [np.isfinite(array) for array in arrays]
+    if all(found.all() for found in finite):
+        return np.ones(len(arrays[0]), dtype=bool)
+    whole: Flags = np.logical_and.reduce([found.reshape(len(found), -1).all(axis=-1) for found in finite])
+    return whole
+
+
 def _stopped(joints: Sequence[str], truth: Truth) -> Flags:
     """Which joints the last step would have sent beyond their limits, (M, n)."""
+    if not any(truth.stopped_joints):
+        return np.zeros((len(truth.stopped_joints), len(joints)), dtype=bool)
     stopped = [[joint in names for joint in joints] for names in truth.stopped_joints]
     return np.array(stopped, dtype=bool).reshape(len(stopped), len(joints))
 
@@ -449,6 +556,11 @@ class Alone:
         """The world's."""
         return led(self.world.truth())
 
+    def witness(self, row: int) -> Witness:
+        """The world itself."""
+        del row
+        return self.world
+
     def keep(self, rows: Rows) -> None:
         """There is no other."""
 
@@ -466,21 +578,3 @@ def led(alone: Batch) -> Batch:
         if name != "time"
     }
     return dataclasses.replace(alone, **led)
-
-
-@dataclass(frozen=True, slots=True)
-class _Shown:
-    """Knows the truth of one of many trials."""
-
-    shown: Truth
-
-    def truth(self) -> Truth:
-        return self.shown
-
-
-def _witness(world: ManyWorld, truth: Truth, row: int) -> Witness:
-    """Who knows the truth of a trial: the world itself where it is the only one, and can be put to tests then."""
-    if isinstance(world, Alone):
-        return world.world
-    parts: dict[str, Any] = {field.name: getattr(truth, field.name)[row] for field in dataclasses.fields(truth)}
-    return _Shown(Truth(**parts))

@@ -8,8 +8,8 @@ import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.quality.grade import CRASHED, NO_CONTACTS, Found, Grasp
-from graspdsl.quality.grades import graded
-from graspdsl.worlds.protocol import PalmWorld, Witness
+from graspdsl.quality.grades import GRADES, graded
+from graspdsl.worlds.protocol import PalmWorld, Test, Witness
 
 Quality = Mapping[str, Found]
 
@@ -23,7 +23,7 @@ class Evaluation:
         self._grading, scale = spec.grading, spec.grading.torque_scale
         self.torque_scale = program.body.shape.solid.radius_of_gyration if isinstance(scale, str) else scale
 
-    def of(self, world: Witness, contacts: Sequence[int]) -> Quality:
+    def of(self, world: Witness, contacts: Sequence[int]) -> Test[Quality]:
         """The grades of the grasp that a world is in, by its truth, of those of the contacts that touch.
 
         To lift and shake the object changes the world.
@@ -47,9 +47,9 @@ class Evaluation:
             self._grading,
             world if isinstance(world, PalmWorld) else None,
         )
-        return graded(grasp, self._grades)
+        return (yield from graded(grasp, self._grades))
 
     def of_nothing(self, reason: str) -> Quality:
         """The grades of a trial without a grasp to grade: none is closed, measured or held, for this reason."""
         grasp = Grasp(self._robot, self._friction, self.torque_scale, grading=self._grading, missing=reason)
-        return graded(grasp, self._grades)
+        return {name: grade.of(grasp) for name, grade in GRADES.items() if name in self._grades}

@@ -21,9 +21,10 @@ UNTOLD: dict[str, Any] = {"trials": {"count", "seed"}, "name": True, "about": Tr
 
 
 def versions(program: Program) -> dict[str, str]:
-    """The versions of what the numbers of a program's trials depend on: those libraries of its world among them that
-    are installed, and the readers of hands, mounts and objects where some are from files."""
-    engines = program.world.libraries.keys() - set(program.world.missing)
+    """The versions of what the numbers of a program's trials depend on: those libraries of its world and its backend
+    among them that are installed, and the readers of hands, mounts and objects where some are from files."""
+    world, backend = program.world, program.target.backend
+    engines = {*world.libraries, *backend.libraries} - {*world.missing, *backend.missing}
     names = {*LIBRARIES, *engines, *(FILE_READERS if program.files else ())}
     return {name: metadata.version(name) for name in sorted(names)}
 

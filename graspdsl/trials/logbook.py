@@ -15,7 +15,7 @@ from graspdsl.compiler.pipeline import Pipeline, Ticks
 from graspdsl.trials.measures import GraspMeasure, measure, sensing_errors, true_contacts
 from graspdsl.trials.priorities import PriorityLog
 from graspdsl.trials.record import Balance
-from graspdsl.trials.tick_rows import Row, TickRows
+from graspdsl.trials.tick_rows import Ahead, Row, TickRows, Told
 from graspdsl.worlds.protocol import PARTIES, Observation, Truth
 
 NEVER = -1  # in place of a tick
@@ -44,7 +44,7 @@ class Logbook:
         count = len(origins)
         self._grasps, self._origins, self._keeps = grasps, origins, trajectories
         self._rows, self._exact = TickRows(count, np.float32), TickRows(count, np.float64)
-        self._priorities = PriorityLog(pipelines, count)
+        self._priorities, self._ahead = PriorityLog(pipelines, count), Ahead(self._write_down)
         self._touch_phase, self._phase = np.zeros((2, count), dtype=np.intp)
         self.first_touch, self.control_start, self.held_since, self.last = np.full((4, count), NEVER, dtype=np.intp)
         self.world_s, self.shift, self.lean = np.zeros((3, count))
@@ -56,41 +56,41 @@ class Logbook:
         observation again. Returns the measures of their grasps."""
         grasp = self._grasps[phase]
         now = measure(seen, truth, grasp)
-        touching = seen.touching[:, list(grasp.contacts)].all(axis=-1)
-        first = trials[touching & (self.first_touch[trials] == NEVER)]
-        self.first_touch[first], self._touch_phase[first] = tick, phase
-        controlled = (self.first_touch[trials] != NEVER) & (self._touch_phase[trials] < phase)
-        self.control_start[trials[controlled & (self.control_start[trials] == NEVER)]] = tick
+        self._note_touch(tick, trials, phase, seen)
         self.last[trials], self._phase[trials], self.world_s[trials] = tick, phase, seen.time
         self.shift[trials] = length(truth.object_position - self._origins[trials])
         self.lean[trials] = truth.object_lean
         if self._keeps:
-            self._priorities.note(tick, trials, stage, seen, ticks)
-            self._write_down(tick, trials, phase, stage, seen, truth, ticks, now)
+            self._ahead.tell(tick, trials, phase, stage, Told(seen, truth, ticks, now))
         return now
 
-    def _write_down(
-        self,
-        tick: int,
-        trials: Rows,
-        phase: int,
-        stage: int,
-        seen: Observation,
-        truth: Truth,
-        ticks: Ticks,
-        now: GraspMeasure,
-    ) -> None:
+    def _note_touch(self, tick: int, trials: Rows, phase: int, seen: Observation) -> None:
+        """When every contact first touched, and when the controller took over from what made them touch."""
+        without = self.first_touch[trials] == NEVER
+        if without.any():
+            touching = seen.touching[:, list(self._grasps[phase].contacts)].all(axis=-1)
+            first = trials[touching & without]
+            self.first_touch[first], self._touch_phase[first] = tick, phase
+        if phase > 0:
+            controlled = (self.first_touch[trials] != NEVER) & (self._touch_phase[trials] < phase)
+            self.control_start[trials[controlled & (self.control_start[trials] == NEVER)]] = tick
+
+    def _write_down(self, tick: int, trials: Rows, phase: int, stage: int, told: Told) -> None:
+        """What is told of T ticks, and what follows from it."""
+        seen, truth, ticks, now = told.seen, told.truth, told.ticks, told.now
+        self._priorities.note(tick, trials, stage, seen, ticks)
         points, normals = true_contacts(seen, truth)
         felt, distance, sine, cosine = sensing_errors(seen, truth)
+        time = np.asarray(seen.time)[:, None]
         measured: Row = {
             "force_residual": now.force_residual,
             "moment_residual": now.moment_residual,
             "orientation": now.orientation,
         }
         row: Row = {
-            "time": seen.time,
-            "phase": phase,
-            "stage": stage,
+            "time": time,
+            "phase": np.full_like(time, phase),
+            "stage": np.full_like(time, stage),
             **measured,
             "sensed_force_residual": ticks.force_residual,
             "sensed_moment_residual": ticks.moment_residual,
@@ -108,25 +108,22 @@ class Logbook:
             "object_axis": truth.object_axis,
             "loads": truth.loads,
         }
-        pressing = np.vecdot(np.nan_to_num(truth.forces), normals)
+        exact: Row = {
+            **measured,
+            "time": time,
+            "loads": truth.loads,
+            "pressing": np.vecdot(np.nan_to_num(truth.forces), normals),
+            "felt": felt,
+            "distance": distance,
+            "sine": sine,
+            "cosine": cosine,
+        }
         self._rows.put(tick, trials, row)
-        self._exact.put(
-            tick,
-            trials,
-            {
-                **measured,
-                "time": seen.time,
-                "loads": truth.loads,
-                "pressing": pressing,
-                "felt": felt,
-                "distance": distance,
-                "sine": sine,
-                "cosine": cosine,
-            },
-        )
+        self._exact.put(tick, trials, exact)
 
     def trajectory(self, trial: int) -> Mapping[str, Float32Array]:
         """The arrays of a trial, one row a tick; none where it had no tick."""
+        self._ahead.write()
         ticks = int(self.last[trial]) + 1
         rows = self._rows.of(trial, ticks)
         if rows:
@@ -143,6 +140,7 @@ class Logbook:
 
         The start is the first tick at which every contact touched, else the first of all.
         """
+        self._ahead.write()
         last, begun = int(self.last[trial]), self._begun(trial)
         samples = 0 if begun == NEVER else last + 1 - begun
         exact = self._exact.of(trial, last + 1)
@@ -181,8 +179,9 @@ class Logbook:
 
 
 def _padded(values: Array, width: int) -> Array:
-    """The values (M, w) and then NaN, so that the rows of all phases are alike."""
-    return np.concatenate([values, np.full((len(values), width - values.shape[-1]), np.nan)], axis=-1)
+    """The values (..., w) and then NaN, so that the rows of all phases are alike."""
+    missing = np.full((*values.shape[:-1], width - values.shape[-1]), np.nan)
+    return np.concatenate([values, missing], axis=-1)
 
 
 def _angles(exact: Mapping[str, Array]) -> Array:

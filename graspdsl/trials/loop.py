@@ -22,6 +22,7 @@ from graspdsl.worlds.protocol import (
     InfeasibleStartError,
     ManyWorld,
     Start,
+    Test,
     UnreachableStartError,
     UnstableObjectError,
     Witness,
@@ -51,7 +52,10 @@ class NoFeasibleStartError(Exception):
 
 
 def together(program: Program) -> int:
-    """How many trials of a program are best run side by side: as many as its world likes and memory holds."""
+    """How many trials of a program are best run side by side: as many as its world likes and memory holds. Probes take
+    each its own time: trials that probe do not keep step."""
+    if program.probes:
+        return 1
     ticks = sum(phase.limit for phase in program.spec.program) * program.world.rate
     return min(program.world.together, max(1, round(TRIAL_TICKS / ticks)))
 
@@ -119,10 +123,9 @@ class TrialLoop:
         except WorldCrashError as error:
             yield from (self._trial(trial, *self._failed(error)) for trial in begun)
             return
-        for place, ending, witness in course.run(self._world):
-            trial, began = begun[place], time.perf_counter()
-            ended = self._graded(ending, witness)
-            trial.wall_s += float(course.wall_s[place]) + time.perf_counter() - began
+        for place, ended in course.run(self._world, self._graded):
+            trial = begun[place]
+            trial.wall_s += float(course.wall_s[place])
             yield self._trial(trial, *ended, course.log, place)
 
     def _take_up(self, trial: _Begun, random: np.random.Generator, on_drawing: OnDrawing | None) -> Start:
@@ -153,12 +156,12 @@ class TrialLoop:
         outcome = Outcome.TOPPLED if isinstance(error, UnstableObjectError) else Outcome.INFEASIBLE_START
         return Ending(outcome, str(error)), self._evaluation.of_nothing(NO_CONTACTS)
 
-    def _graded(self, ending: Ending, witness: Witness | None) -> tuple[Ending, Quality]:
+    def _graded(self, _place: int, ending: Ending, witness: Witness | None) -> Test[tuple[Ending, Quality]]:
         """How a trial ended, with the grades of its grasp; to lift the object may end it otherwise."""
         if witness is None:
             return ending, self._evaluation.of_nothing(CRASHED)
         try:
-            return ending, self._evaluation.of(witness, self._program.phases[-1].grasp.contacts)
+            return ending, (yield from self._evaluation.of(witness, self._program.phases[-1].grasp.contacts))
         except WorldCrashError as error:
             return self._failed(error)
 

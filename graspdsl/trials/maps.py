@@ -15,19 +15,22 @@ import numpy as np
 from pydantic import ValidationError
 
 from graspdsl.arrays import Array
+from graspdsl.basis.resources import ContactSet
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
+from graspdsl.objects.surfaces.compiled import compiled
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.places.validation import slot
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.models import Spec
 from graspdsl.spec.trials import GridAxis, StartSettings
-from graspdsl.trials.course import Course, stages_of
-from graspdsl.trials.measures import orientation, with_gravity
+from graspdsl.trials.course import Course, over, stages_of
+from graspdsl.trials.measures import orientation
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.starts import ORIENTATION, PLACEMENT, generator
 from graspdsl.worlds.floating import Floating, FloatingWorld
+from graspdsl.worlds.protocol import Truth
 
 PARAMETERS = (*ORIENTATION, *PLACEMENT)
 TOGETHER = 2000  # cells of floating contacts side by side, which bounds the memory
@@ -213,24 +216,24 @@ def floating_cells(
     surface = program.body.shape.surface()
     points = starts(surface, x, y, names.index(moved), len(names), seed)
     outcomes, ends, ticks = [""] * len(points), np.zeros(len(points)), np.full(len(points), math.nan)
-    world = FloatingWorld(names, surface, program.spec.scene.gravity * program.body.mass, program.body.major_axis)
-    stages, done = stages_of(program), 0
+    sliding, weight = compiled(surface, program.target.backend), program.spec.scene.gravity * program.body.mass
+    world = FloatingWorld(names, sliding, weight, program.body.major_axis)
+    stages, ended = stages_of(program), list[int]()
     for first in range(0, len(points), TOGETHER):
         world.place(points[first : first + TOGETHER])
         course = Course(program, stages, world.info, world.observe(), world.truth(), trajectories=False)
-        for place, ending, witness in course.run(world):
+        truths = list[Truth]()
+        for place, (ending, witness) in course.run(world, over):
             assert witness is not None
-            truth = witness.truth()
+            truths.append(witness.truth())
+            ended.append(first + place)
             outcomes[first + place] = ending.outcome.value
-            ends[first + place] = orientation(
-                grasp.matrix @ with_gravity(truth.points, truth, grasp), truth.object_axis
-            )
             if ending.outcome is Outcome.CONVERGED:
                 ticks[first + place] = course.log.ticks_to_converge(place)
-            done += 1
+        ends[ended[first:]] = _orientations(truths, grasp)
         world.close()
         if on_cells is not None:
-            on_cells(done)
+            on_cells(len(ended))
     others = {name: _angles(points[0, names.index(name)]) for name in acting if name != moved}
     return Cells(
         x=x,
@@ -242,6 +245,14 @@ def floating_cells(
         marks={name: (_within(x, angles), _within(y, angles)) for name, angles in others.items()},
         details=("",) * len(outcomes),
     )
+
+
+def _orientations(truths: Sequence[Truth], grasp: ContactSet) -> Array:
+    """Of the contacts of a grasp against the object's axis, (n,) [rad]."""
+    points, axes = (np.array([getattr(truth, name) for truth in truths]) for name in ("points", "object_axis"))
+    if grasp.has_gravity:
+        points = np.concatenate([points, np.array([truth.object_position for truth in truths])[:, None]], axis=-2)
+    return orientation(grasp.matrix @ points, axes)
 
 
 def _direction(wanted: WantedAxis) -> Axis:
@@ -290,6 +301,11 @@ def starts(surface: Surface, x: Axis, y: Axis, moved: int, count: int, seed: int
 
 def towards(surface: Surface, directions: Array) -> Array:
     """The first points (n, 3) [m] of a surface on the rays from its centre along unit vectors (n, 3)."""
+    parts = np.split(directions, range(TOGETHER, len(directions), TOGETHER))
+    return np.concatenate([_towards(surface, part) for part in parts])
+
+
+def _towards(surface: Surface, directions: Array) -> Array:
     reach = np.linspace(0.0, float(np.linalg.norm(surface.extent)), ALONG_RAY)
     outside = surface.level(reach[:, None, None] * directions) > 0.0
     first = np.argmax(outside, axis=0)

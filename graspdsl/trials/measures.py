@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from graspdsl.arrays import Array, Flags
+from graspdsl.arrays import Array, Flags, Rows
 from graspdsl.basis.algebra import cross, length
 from graspdsl.basis.resources import ContactSet
 from graspdsl.worlds.protocol import Observation, Truth
@@ -23,23 +24,27 @@ DOWN = np.array([0.0, 0.0, -1.0])
 class GraspMeasure:
     """Grasps at one tick: force_residual ‖ρ_f‖ (1) and moment_residual ‖ρ_m‖ [m] about the contacts' centroid, (...).
 
-    points: (..., m, 3) [m] of the m resources; axis: (..., 3) of the object.
+    points: (..., k, 3) [m] of the contacts, (..., k + 1, 3) with gravity; ``grasp``: the resources; axis: (..., 3) of
+    the object.
     """
 
     force_residual: Array
     moment_residual: Array
     points: Array
+    grasp: ContactSet
     axis: Array
 
     @property
     def orientation(self) -> Array:
         """Of the resources against the object's axis (...) [rad]."""
-        return orientation(self.points, self.axis)
+        return orientation(self.grasp.matrix @ self.points, self.axis)
 
 
 def true_contacts(observation: Observation, truth: Truth) -> tuple[Array, Array]:
     """Contact points and normals, (..., k, 3) each: the truth where a contact touches, else what the hand knows."""
     known = np.isfinite(truth.points[..., :1])
+    if known.all():
+        return truth.points, truth.normals
     return np.where(known, truth.points, observation.points), np.where(known, truth.normals, observation.normals)
 
 
@@ -55,14 +60,24 @@ def measure(observation: Observation, truth: Truth, grasp: ContactSet) -> GraspM
     points = with_gravity(points, truth, grasp)
     if grasp.has_gravity:
         normals = np.concatenate([normals, np.broadcast_to(DOWN, (*normals.shape[:-2], 1, 3))], axis=-2)
-    weights = grasp.weights
-    centroid = weights @ points / weights.sum()
+    of_grasp, weights, total = _weighed(grasp)
+    chosen, inward = points[..., of_grasp, :], normals[..., of_grasp, :]
+    centroid = weights @ chosen / total
     return GraspMeasure(
-        force_residual=length(weights @ normals),
-        moment_residual=length(weights @ cross(points - centroid[..., None, :], normals)),
-        points=grasp.matrix @ points,
+        force_residual=length(weights @ inward),
+        moment_residual=length(weights @ cross(chosen - centroid[..., None, :], inward)),
+        points=points,
+        grasp=grasp,
         axis=truth.object_axis,
     )
+
+
+@cache
+def _weighed(grasp: ContactSet) -> tuple[Rows | slice, Array, float]:
+    """Which contacts weigh anything, their weights, and the sum of these."""
+    weights = grasp.weights
+    chosen = np.flatnonzero(weights)
+    return slice(None) if len(chosen) == len(weights) else chosen, weights[chosen], float(weights.sum())
 
 
 def orientation(points: Array, axis: Array) -> Array:

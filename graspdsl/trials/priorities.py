@@ -29,6 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -96,29 +97,36 @@ class PriorityLog:
         self.levels = max((len(pipeline.priorities) for pipeline in pipelines), default=0)
         self._stage, self._tick = np.full((2, count), -1, dtype=np.intp)
         self._noted: dict[int, dict[str, Any]] = {}
+        self._latest: tuple[tuple[int, int], list[_Course]] | None = None  # asked for last
         self._told = {
             stage: TickRows(count, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
         }
 
     def note(self, tick: int, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
-        """What a stage makes of a tick of M of the trials, and what has become of what it made of the tick before."""
-        pipeline = self._pipelines[stage]
+        """What a stage makes of T ticks in a row, the first of which is given, of M of the trials, (T, M, ...), and
+        what has become of what it made of the one before each."""
+        self._latest = None
+        pipeline, count = self._pipelines[stage], len(seen.points)
         followed = (self._stage[trials] == stage) & (self._tick[trials] == tick - 1)
-        self._stage[trials], self._tick[trials] = stage, tick
+        self._stage[trials], self._tick[trials] = stage, tick + count - 1
         if not pipeline.priorities:
             return
         now = {name: getattr(ticks, name) for name in ("sensed", "effects", "own", "parts", "ranks")}
         now |= {"place": seen.joints if pipeline.space == "q" else flat(seen.points), "touching": seen.touching}
         if stage not in self._noted:
-            room = {name: np.zeros((self._count, *value.shape[1:]), value.dtype) for name, value in now.items()}
+            room = {name: np.zeros((self._count, *value.shape[2:]), value.dtype) for name, value in now.items()}
             self._noted[stage] = room
-        noted = self._noted[stage]
+        noted, told = self._noted[stage], self._told[stage]
         if followed.any():
-            before = {name: values[trials[followed]] for name, values in noted.items()}
-            after = {name: now[name][followed] for name in ("sensed", "place", "touching")}
-            self._told[stage].put(tick - 1, trials[followed], _told(pipeline.priorities, before, after))
-        for name, value in now.items():
-            noted[name][trials] = value
+            before = {name: values[trials[followed]][None] for name, values in noted.items()}
+            after = {name: now[name][:1, followed] for name in _SEEN}
+            told.put(tick - 1, trials[followed], _told(pipeline.priorities, before, after))
+        if count > 1:
+            before = {name: values[:-1] for name, values in now.items()}
+            after = {name: now[name][1:] for name in _SEEN}
+            told.put(tick, trials, _told(pipeline.priorities, before, after))
+        for name, values in now.items():
+            noted[name][trials] = values[-1]
 
     def channels(self, trial: int, ticks: int) -> dict[str, Array]:
         """The channels of a trial's trajectory, (ticks, L, …); NaN where its stage has less priorities, and where no
@@ -139,8 +147,13 @@ class PriorityLog:
         """What became of each level in a trial; ``time`` [s]: (ticks,), of its ticks."""
         return tuple(one.summed_up(time) for one in self._courses(trial, len(time)))
 
-    def _courses(self, trial: int, ticks: int) -> Iterator[_Course]:
+    def _courses(self, trial: int, ticks: int) -> Sequence[_Course]:
         """Each level whose disturbance was seen at any tick."""
+        if self._latest is None or self._latest[0] != (trial, ticks):
+            self._latest = (trial, ticks), list(self._found(trial, ticks))
+        return self._latest[1]
+
+    def _found(self, trial: int, ticks: int) -> Iterator[_Course]:
         for stage, told in self._told.items():
             rows, priorities = told.of(trial, ticks), self._pipelines[stage].priorities
             for place, (priority, name) in enumerate(zip(priorities, level_names(priorities), strict=True)):
@@ -153,46 +166,50 @@ class PriorityLog:
                     yield _Course(stage, place, name, priority.controller, known, of_level)
 
 
+_SEEN = ("sensed", "place", "touching")  # what of a tick tells what became of the one before
+
+
 def _told(priorities: Sequence[Priority], before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Array]:
-    """What has become of the priorities of M trials in a tick, (M, L, …), and that it is known, (M,)."""
+    """What has become of the priorities of M trials in T ticks, (T, M, L, …), and that it is known, (T, M)."""
     moved = after["place"] - before["place"]
     places = range(len(priorities))
     changes = [
-        _change(priorities[place].controller, after["sensed"][:, place], before["sensed"][:, place]) for place in places
+        _change(priorities[place].controller, after["sensed"][..., place, :], before["sensed"][..., place, :])
+        for place in places
     ]
     touched = [_kept_touch(one.controller, before["touching"], after["touching"]) for one in priorities]
-    steady, pressed = (np.stack(kinds, axis=1) for kinds in zip(*touched, strict=True))
+    steady, pressed = (np.stack(kinds, axis=-1) for kinds in zip(*touched, strict=True))
     return {
-        "told": np.ones(len(moved)),
+        "told": np.ones(moved.shape[:-1]),
         "rank": before["ranks"],
         "own": before["own"],
         "parts": before["parts"],
-        "carried": times(before["effects"], moved[:, None]),
-        "change": np.stack(changes, axis=1),
+        "carried": times(before["effects"], moved[..., None, :]),
+        "change": np.stack(changes, axis=-2),
         "steady": steady,
         "pressed": pressed,
     }
 
 
 def _change(controller: ControllerNode, after: Array, before: Array) -> Array:
-    """How far what a controller senses has gone, (M, W)."""
+    """How far what a controller senses has gone, (..., W)."""
     difference = controller.potential.difference
     if not difference.turns:
         return after - before
     rows = after.shape[-1] // 3 * 3  # what is padded does not turn
-    turned = flat(difference.between(by_contact(after[:, :rows]), by_contact(before[:, :rows])))
-    return np.concatenate([turned, np.zeros_like(after[:, rows:])], axis=-1)
+    turned = flat(difference.between(by_contact(after[..., :rows]), by_contact(before[..., :rows])))
+    return np.concatenate([turned, np.zeros_like(after[..., rows:])], axis=-1)
 
 
 def _kept_touch(controller: ControllerNode, before: Flags, after: Flags) -> tuple[Flags, Flags]:
-    """Whether none of a controller's contacts was lost or found, and whether all touched throughout, (M,) each."""
+    """Whether none of a controller's contacts was lost or found, and whether all touched throughout, (...) each."""
     resources = controller.sensor_resources
     contacts = list(resources.contacts) if isinstance(resources, ContactSet) else []
-    before, after = before[:, contacts], after[:, contacts]
+    before, after = before[..., contacts], after[..., contacts]
     return np.all(before == after, axis=-1), np.all(before & after, axis=-1)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Course:
     """What became of a level in the ``ticks`` (t,) of a trial; ``place``: of the level among its stage's."""
 
@@ -203,7 +220,7 @@ class _Course:
     ticks: Rows
     rows: Mapping[str, Array]
 
-    @property
+    @cached_property
     def stiffness(self) -> float | None:
         """The slope [N/m] of what was sensed on what the hand's motion pressed; None for a level that needs none."""
         if not self.controller.effector.pressed:
@@ -213,7 +230,7 @@ class _Course:
         squared = float(np.sum(carried * carried))
         return max(0.0, float(np.sum(change * carried)) / squared) if squared > 0.0 else 0.0
 
-    @property
+    @cached_property
     def _parts(self) -> tuple[Array, Array]:
         """What each cause changed, (t, causes, W), and the disturbance that they make together, (t, W)."""
         stiffness = self.stiffness
@@ -234,7 +251,7 @@ class _Course:
         """How large the observed disturbance is, (t,)."""
         return np.asarray(np.linalg.norm(self._parts[1], axis=-1))
 
-    @property
+    @cached_property
     def by_cause(self) -> Array:
         """The shares of all causes in the observed disturbance, (t, causes); they sum to how large it is."""
         return _shares(*self._parts)

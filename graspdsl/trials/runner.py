@@ -21,7 +21,7 @@ from multiprocessing import resource_tracker
 from pathlib import Path
 from types import ModuleType
 
-from graspdsl.compiler.program import Program, Source, program_of
+from graspdsl.compiler.program import Program, Source, lacking, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import pose_at_rest
@@ -32,14 +32,13 @@ from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
-from graspdsl.trials.store import Manifest, RunFolder
-from graspdsl.worlds.kinds import absence
+from graspdsl.trials.store import Manifest, Row, RunFolder
 
 OnTrial = Callable[[Trial], object]
-BATCHES_WORTH_A_WORKER = 4
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
+WORTH_A_COMMIT = 0.25  # s that trials took
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
 
@@ -55,7 +54,7 @@ class WorkerEndedError(Exception):
 
 def new_run(path: Path, program: Program) -> RunFolder:
     """Make the folder of a run that has not begun. Raises DiagnosticError where it cannot be made, or its world."""
-    _world_is_there(program)
+    _can_be_run(program)
     source, trials, made_by = program.source, program.spec.trials, versions(program)
     manifest = Manifest(
         *(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by),
@@ -95,7 +94,8 @@ def execute(
     finished: Sequence[TrialRecord] | None = None,
     on_drawing: OnDrawing | None = None,
 ) -> None:
-    """Run the trials that are not finished yet; each is committed to the folder as it ends.
+    """Run the trials that are not finished yet; they are committed to the folder as they end, those that took little
+    time some together.
 
     finished: those that are, where they have been read already, for that takes a look at every trajectory.
 
@@ -110,12 +110,13 @@ def execute(
         numbers = pending(folder, program, finished)
         if not numbers:
             return
-        _world_is_there(program)
+        _can_be_run(program)
         most = together(program)
         if workers is None:
-            workers = min(os.cpu_count() or 1, max(1, len(numbers) // (most * BATCHES_WORTH_A_WORKER)))
+            workers = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
         workers = min(workers, len(numbers))
-        size = min(most, math.ceil(len(numbers) / workers))
+        rounds = math.ceil(len(numbers) / (workers * most))
+        size = math.ceil(len(numbers) / (workers * rounds))
         batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
         began, seed = time.perf_counter(), folder.manifest.seed
 
@@ -130,9 +131,8 @@ def execute(
             trials = _elsewhere(folder, batches, seed, workers, tell)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
-        with interruption.at_the_end(spend), closing(trials):
-            for trial in trials:
-                folder.add(trial)
+        with interruption.at_the_end(spend), closing(trials), closing(_kept(folder, trials)) as kept:
+            for trial in kept:
                 if on_trial is not None:
                     on_trial(trial)
                 if trial.record.number < first and not trial.record.has_begun:
@@ -141,9 +141,34 @@ def execute(
                     raise DiagnosticError([_none_begins(list(barren.values()), program.body)])
 
 
-def _world_is_there(program: Program) -> None:
-    if missing := absence(program.world):
-        raise DiagnosticError([missing])
+def _kept(folder: RunFolder, trials: Iterator[Trial]) -> Generator[Trial, None, None]:
+    """Trials as they come, kept in the folder. To commit takes longer than many a trial, and so those that all together
+    took less than is worth it wait for others, or for the end, whatever brings it: no more than that is ever lost."""
+    waiting = list[tuple[Trial, Row]]()
+
+    def commit() -> None:
+        with interruption.whole():
+            if waiting:
+                folder.commit([row for _, row in waiting])
+            waiting.clear()
+
+    def commit_rest() -> None:
+        with suppress(DiagnosticError):  # what has ended it says more
+            commit()
+
+    with interruption.at_the_end(commit_rest):
+        for trial in trials:
+            with interruption.whole():
+                waiting.append((trial, folder.draft(trial)))
+            if sum(trial.record.wall_s for trial, _ in waiting) >= WORTH_A_COMMIT:
+                commit()
+            yield trial
+        commit()
+
+
+def _can_be_run(program: Program) -> None:
+    if missing := lacking(program):
+        raise DiagnosticError([missing[0]])
 
 
 def _none_begins(records: Sequence[TrialRecord], body: Body) -> Diagnostic:

@@ -21,6 +21,7 @@ def settings_of(program: Program) -> WorldSettings:
     return WorldSettings(
         *(program.robot, program.body, scene.friction, sensing, anchor, program.probes, scene.gravity),
         effort=program.world.effort_in(scene.physics),
+        backend=program.target.backend,
     )
 
 

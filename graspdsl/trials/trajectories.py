@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,8 @@ from graspdsl.trials.priorities import CAUSES
 from graspdsl.worlds.protocol import PARTIES
 
 Rows = dict[str, Float32Array]  # one row a tick, by name; none where a trial ended before its first tick
+
+PACKING = 1  # of 9: half of the time of the usual 6, for files larger by a hundredth
 
 CONTACTS, JOINTS, LEVELS = "contacts", "joints", "levels"  # axes, as long as there are of these
 _OF_LEVELS = "; NaN for those of other stages"
@@ -100,9 +104,16 @@ class Layout:
 
 
 def write_trajectory(path: Path, rows: Mapping[str, Float32Array]) -> None:
-    """Write the arrays of a trajectory, packed, into a file. Raises OSError."""
-    with path.open("wb") as stream:
-        np.savez_compressed(stream, **dict(rows))  # type: ignore[arg-type]  # numpy types names like its own option
+    """Write the arrays of a trajectory, packed, into a file as numpy's savez_compressed does, but with as little effort
+    as packs numbers hardly less. Raises OSError."""
+    packed = BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name, array in rows.items():
+            content = BytesIO()
+            np.lib.format.write_array(content, array, allow_pickle=False)
+            undated = zipfile.ZipInfo(f"{name}.npy")  # so that the same trial makes the same file
+            archive.writestr(undated, content.getvalue(), zipfile.ZIP_DEFLATED, PACKING)
+    path.write_bytes(packed.getbuffer())
 
 
 def read_trajectory(path: Path, layout: Layout | None = None) -> Rows:

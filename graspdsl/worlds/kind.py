@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal, Protocol
 
 from graspdsl.arrays import Array
+from graspdsl.backends import NUMPY, Backend
 from graspdsl.basis.spaces import GradientSpace
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
@@ -68,7 +69,8 @@ class WorldSettings:
     """What of a program a world is made from.
 
     friction: coefficient between fingertips and object; gravity [m/s²]. probes: a displacement of the contacts is one
-    probe of many ticks. effort: None where there is no physics, or it is as is usual.
+    probe of many ticks. effort: None where there is no physics, or it is as is usual. backend: what moves contacts
+    where there is none.
     """
 
     robot: Robot
@@ -80,6 +82,7 @@ class WorldSettings:
     gravity: float = GRAVITY
     table_friction: float = TABLE_FRICTION
     effort: Effort | None = None
+    backend: Backend = NUMPY
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +129,8 @@ class WorldKind(ABC):
 
     ``rate``: of its ticks [Hz]. ``sliding``, ``probing``: the gradient spaces that it can carry out, by the way in
     which contacts are displaced. ``at_once``: a contact gets to another place within a tick, however far, so that it
-    need not be probed. ``together``: how many trials it runs side by side. ``pace``: how contacts move where they are
+    need not be probed. ``together``: how many trials it runs side by side; ``worth_a_worker``: how many make it worth
+    another process. ``pace``: how contacts move where they are
     not probed; ``contacts``: what they are called. ``approaches``: the starts that it has. ``knows_object``: where the
     object is, is known though nothing holds it; ``knows_surface``: it stays at the origin, and how it curves is known,
     too. ``lacks``: what it has not, each with the reason as messages give it. ``effort``: the usual one of its physics,
@@ -141,6 +145,7 @@ class WorldKind(ABC):
     probing: ClassVar[frozenset[GradientSpace]]
     at_once: ClassVar[bool] = False
     together: ClassVar[int] = 1
+    worth_a_worker: ClassVar[int] = 4
     pace: ClassVar[str] = "contacts slide"
     contacts: ClassVar[str] = "contacts"
     approaches: ClassVar[tuple[str, ...]] = ("side", "top")

@@ -6,9 +6,10 @@ graders and tests may read.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from graspdsl.arrays import Array, Flags, Rows
 
@@ -16,6 +17,7 @@ TABLE_SIZE = (1.6, 1.6, 0.05)  # m
 PARTIES = ("contacts", "links", "table", "gravity")
 """What acts on the object: fingertips, what else of the robot touches it, the table, its weight."""
 
+Found = TypeVar("Found")
 Names = tuple[Any, ...]  # of links or joints; of many trials, a tuple of names for each
 
 
@@ -36,7 +38,15 @@ class UnreachableStartError(InfeasibleStartError):
 
 
 class WorldCrashError(Exception):
-    """The simulation left the realm of numbers (not-a-number states) or its engine gave up."""
+    """The simulation left the realm of numbers (not-a-number states) or its engine gave up.
+
+    ``crashed``: of many trials those that it happened to, by their rows, each with what is said of it; all trials where
+    none is named.
+    """
+
+    def __init__(self, message: str, crashed: Mapping[int, str] | None = None) -> None:
+        super().__init__(message)
+        self.crashed = crashed or {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +90,11 @@ class Observation:
     centre_of_mass: Array
     weight: Array
 
+    def row(self, row: int) -> Observation:
+        """That of one of many trials."""
+        parts = {part.name: getattr(self, part.name) for part in dataclasses.fields(self)}
+        return Observation(**{name: part if name == "time" else part[row] for name, part in parts.items()})
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -114,6 +129,10 @@ class Truth:
     stopped_joints: Names
     loads: Array
 
+    def row(self, row: int) -> Truth:
+        """That of one of many trials."""
+        return Truth(**{part.name: getattr(self, part.name)[row] for part in dataclasses.fields(self)})
+
 
 @dataclass(frozen=True, slots=True)
 class Start:
@@ -137,6 +156,12 @@ class Palm:
     position: Array
     rotation: Array
     jacobian: Array
+
+
+Shown = tuple[Observation, Truth]
+Test = Generator[Command, Shown, Found]
+"""What is done with a trial's hand after its end, a tick at a time: it gives commands, is shown what comes of each, and
+finds something. A WorldCrashError is thrown where a command could not be carried out."""
 
 
 class Witness(Protocol):
@@ -192,7 +217,12 @@ class ManyWorld(Witness, Protocol):
         ...
 
     def step(self, command: Command) -> Observation:
-        """Carry out one tick of all. Raises WorldCrashError."""
+        """Carry out one tick of all. Raises WorldCrashError; where that names those that crashed, the others have gone
+        on, and can be observed once they alone are kept."""
+        ...
+
+    def witness(self, row: int) -> Witness:
+        """Who knows the truth of one of the trials; a world of it alone, where it can be put to tests."""
         ...
 
     def keep(self, rows: Rows) -> None:

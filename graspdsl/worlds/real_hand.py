@@ -20,8 +20,8 @@ from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
 from graspdsl.worlds.protocol import Observation, Start
 from graspdsl.worlds.start_pose import root_pose
-from graspdsl.worlds.touch.fingertip_sensor import Clock, Fingertip
-from graspdsl.worlds.touch.fingertips import Fingertips
+from graspdsl.worlds.touch.fingertip_sensor import Clock, Fingertip, TipFrames
+from graspdsl.worlds.touch.fingertips import Fingertips, read
 from graspdsl.worlds.touch.sensors import sensor_for
 
 RESOLUTION = 1000.0  # Hz, of the clock that readings are filtered by
@@ -104,18 +104,20 @@ class RealHand:
         if self._needs_zero:
             raise ValueError("the load cells have no zero yet: tare the hand on readings at rest before it observes")
         self._take(reading)
-        felt, tips = self._felt, self._tips.read()
-        pairs = [felt.jacobians(tip, place) for tip, place in enumerate(tips.local)]
+        felt = self._felt
+        origins, rotations = (np.array(part)[None] for part in zip(*felt.frames(), strict=True))
+        tips = read([self._tips], TipFrames(origins, rotations), lambda places: felt.jacobians(places[0])[:1])
+        linear, angular = felt.jacobians(tips.local[0])
         return Observation(
             time=reading.time,
-            points=tips.points,
-            normals=tips.normals,
-            forces=tips.forces,
-            touching=tips.touching,
+            points=tips.points[0],
+            normals=tips.normals[0],
+            forces=tips.forces[0],
+            touching=tips.touching[0],
             joints=np.asarray(reading.joints, dtype=float),
-            jacobian=np.array([linear for linear, _ in pairs]),
-            angular_jacobian=np.array([angular for _, angular in pairs]),
-            orientations=logarithm(tips.rotations),
+            jacobian=linear,
+            angular_jacobian=angular,
+            orientations=logarithm(tips.rotations[0]),
             centre_of_mass=reading.centre_of_mass,
             weight=reading.weight,
         )
@@ -163,14 +165,10 @@ class _Felt:
         """What the cells' joints hold up, (k, 6)."""
         return self._held_up
 
-    def jacobians(self, tip: int, place: Array) -> tuple[Array, Array]:
-        """The linear and angular Jacobians (3, n), in the world, of a point of a tip."""
-        linear, angular = self._links[tip].jacobians(place)
-        return self._rotation @ linear, self._rotation @ angular
-
-    def jacobian(self, tip: int, place: Array) -> Array:
-        """The linear one."""
-        return self.jacobians(tip, place)[0]
+    def jacobians(self, places: Array) -> Array:
+        """The linear and angular Jacobians (2, k, 3, n), in the world, of a point (k, 3) of each tip."""
+        pairs = [link.jacobians(place) for link, place in zip(self._links, places, strict=True)]
+        return np.asarray(self._rotation @ np.array(pairs).swapaxes(0, 1))
 
     def contacts(self) -> tuple[Array, Array, Array]:
         """Not known."""

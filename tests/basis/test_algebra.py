@@ -20,7 +20,19 @@ from graspdsl.basis.algebra import (
     spherical_stretch,
     tangent_frames,
 )
-from graspdsl.basis.operations import approach, excess, gradient_projector, longest, pressing, times, transposed_times
+from graspdsl.basis.operations import (
+    across,
+    approach,
+    directions,
+    excess,
+    longest,
+    pressing,
+    rank,
+    rank_across,
+    side_by_side,
+    times,
+    transposed_times,
+)
 from graspdsl.contracts.drawing import generator, unit_vectors
 
 POLES = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, -0.0, 1.0], [1e-9, 0.0, -1.0], [1.0, 0.0, -0.0]])
@@ -157,12 +169,29 @@ def test_inverses_and_projectors_take_batches() -> None:
         np.testing.assert_allclose(scaled_transpose(jacobians)[place], scaled_transpose(one), atol=1e-13)
 
 
-def test_the_projector_of_one_gradient_is_that_of_its_decomposition() -> None:
-    gradients = generator().normal(size=(200, 9)) * np.logspace(-7, 3, 200)[:, None]
-    rows = gradients[:, None] / np.linalg.norm(gradients, axis=-1)[:, None, None]
-    np.testing.assert_allclose(gradient_projector(gradients), null_space_projector(rows), atol=1e-12)
-    np.testing.assert_allclose(gradient_projector(gradients, gradients), null_space_projector(rows), atol=1e-12)
-    np.testing.assert_array_equal(gradient_projector(1e-10 * gradients[:1]), np.eye(9)[None])
+def test_what_is_across_gradients_is_in_their_null_space() -> None:
+    """Of one to four, of all sizes, with one that has vanished and one along others among them."""
+    random = generator()
+    for count in range(1, 5):
+        gradients = random.normal(size=(200, count, 9)) * np.logspace(-7, 3, 200)[:, None, None]
+        if count > 2:
+            gradients[:50, -1] = gradients[:50, 0] - 2.0 * gradients[:50, 1]
+            gradients[50:100, 1] *= 1e-10 / np.linalg.norm(gradients[50:100, 1], axis=-1, keepdims=True)
+        long = np.linalg.norm(gradients, axis=-1, keepdims=True)
+        projectors = null_space_projector(np.where(long > 1e-9, gradients / long, 0.0))
+        found, vectors = directions(*np.moveaxis(gradients, 1, 0)), random.normal(size=(200, 9))
+        np.testing.assert_allclose(across(found, vectors), times(projectors, vectors), atol=1e-12)
+        np.testing.assert_array_equal(rank_across(found), rank(projectors))
+    assert rank_across(directions(gradients[0, 0], gradients[0, 0])) == 8.0
+    np.testing.assert_array_equal(across(directions(1e-10 * gradients[0, 0]), vectors[0]), vectors[0])
+
+
+def test_levels_stand_side_by_side_with_zeros_up_to_the_largest() -> None:
+    wide, narrow = generator().normal(size=(2, 4, 3)), generator().normal(size=(2, 4, 2))
+    both = side_by_side(2, -1, wide, narrow[0])
+    np.testing.assert_array_equal(both[:, 0], wide)
+    np.testing.assert_array_equal(both[:, 1], np.broadcast_to(np.pad(narrow[0], ((0, 0), (0, 1))), (2, 4, 3)))
+    np.testing.assert_array_equal(side_by_side(2, -1, wide), wide[:, None])
 
 
 def test_operations_are_what_they_say_in_indices() -> None:
@@ -172,7 +201,8 @@ def test_operations_are_what_they_say_in_indices() -> None:
     blocks, normals = random.normal(size=(50, 3, 3, 7)), unit_vectors(random, 150).reshape(50, 3, 3)
     errors, touching, fingers = random.normal(size=(50, 3, 3)), random.random((50, 3)) < 0.5, random.random((3, 7))
     sizes = np.linalg.norm(errors, axis=-1)
-    into = np.einsum("tki,tkij->tkj", normals, blocks) * fingers
+    ahead = np.einsum("tki,tkij->tkj", normals, blocks)
+    into = ahead * fingers
     rate = np.where(touching, 0.0, 0.3 / np.maximum((into**2).sum(axis=-1), 0.05))
     step = np.where(touching[..., None], 0.5 * errors / np.maximum(1.0, 0.5 * sizes / 0.2)[..., None], 0.0)
     made = {
@@ -183,7 +213,7 @@ def test_operations_are_what_they_say_in_indices() -> None:
         longest: ((errors.reshape(50, 9),), sizes.max(axis=-1)),
         excess: ((0.5, errors.reshape(50, 9)), np.maximum(1.0, sizes.max(axis=-1) / 0.5)),
         pressing: ((0.5, 0.2, errors, touching.astype(float)), step),
-        approach: ((fingers, 0.3, blocks, normals, touching), np.einsum("tk,tkj->tj", rate, into)),
+        approach: ((fingers, 0.3, ahead, touching), np.einsum("tk,tkj->tj", rate, into)),
     }
     for function, (inputs, right) in made.items():
         found = function(*inputs)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from graspdsl.arrays import Array
-from graspdsl.basis.algebra import cross, spherical_frames, spherical_stretch, tangent_frames
-from graspdsl.basis.effectors import EFFECTORS
+from graspdsl.basis.algebra import cross, spherical_frames, spherical_stretch, tangent_frames, tangent_planes
+from graspdsl.basis.effectors import EFFECTORS, sphere_by_cartesian
 from graspdsl.basis.potentials import POTENTIALS
 from graspdsl.basis.sensors import SENSORS
 from graspdsl.contracts.differences import central_differences
@@ -103,15 +103,21 @@ def test_4_6_is_the_moment_of_a_point_on_the_tangent_plane() -> None:
         np.testing.assert_allclose(moment(angles, steps), cross(directions(angles) @ steps, force(angles)), atol=1e-14)
 
 
-def frames_at(angles: Array) -> tuple[Array, Array]:
-    """Tangent frames and no stretch, for one contact."""
-    return tangent_frames(force(angles)[None]), np.ones((1, 2))
+def tangents_at(angles: Array) -> Array:
+    """How displacements of one contact turn its normal, by local frames, which have no stretch."""
+    return sphere_by_cartesian(tangent_frames(force(angles)[None]), np.ones((1, 2)))
+
+
+def test_local_frames_span_the_plane_across_the_normal() -> None:
+    """T Tᵀ = I − n nᵀ, so that no frames are needed where they have no stretch."""
+    for angles in places():
+        np.testing.assert_allclose(tangents_at(angles), tangent_planes(force(angles)[None]), atol=1e-15)
 
 
 def test_force_effector_is_4_4_away_from_the_poles() -> None:
     """−P/r along east and north is 4.4 over r, but for the cos φ by which a degree of θ is shorter up there."""
     for angles in places(steepest=np.radians(80)):
-        effector = EFFECTORS["τ_frx"].evaluate(ONE, *frames_at(angles), RADIUS)
+        effector = EFFECTORS["τ_frx"].evaluate(ONE, tangents_at(angles), RADIUS)
         lengths = np.array([np.cos(angles[1]), 1.0])
         np.testing.assert_allclose(
             effector @ directions(angles), force_by_angles(angles) / lengths / RADIUS, atol=1e-12
@@ -120,8 +126,7 @@ def test_force_effector_is_4_4_away_from_the_poles() -> None:
 
 def test_moment_effector_is_4_7() -> None:
     for angles in places(steepest=np.radians(80)):
-        frames, _ = frames_at(angles)
-        effector = EFFECTORS["τ_mrx"].evaluate(ONE, force(angles)[None], frames, RADIUS)
+        effector = EFFECTORS["τ_mrx"].evaluate(ONE, force(angles)[None])
         np.testing.assert_allclose(effector @ directions(angles), moment_by_steps(angles), atol=1e-12)
 
 
@@ -133,6 +138,7 @@ def test_spherical_effectors_are_the_chapters_entry_by_entry() -> None:
             "normals": normal,
             "frames": spherical_frames(normal),
             "stretch": spherical_stretch(normal),
+            "tangents": sphere_by_cartesian(spherical_frames(normal), spherical_stretch(normal)),
             "curvature_radius": RADIUS,
         }
         by_x = directions(angles).T / RADIUS
@@ -166,8 +172,11 @@ def test_spherical_and_tangent_effectors_differ_off_the_equator() -> None:
     for latitude, same in ((0.0, True), (np.pi / 3, False)):
         normal = force(np.array([0.7, latitude]))[None]
         forms = [
-            EFFECTORS["τ_frx"].evaluate(ONE, spherical_frames(normal), spherical_stretch(normal), RADIUS),
-            EFFECTORS["τ_frx"].evaluate(ONE, tangent_frames(normal), np.ones((1, 2)), RADIUS),
+            EFFECTORS["τ_frx"].evaluate(ONE, sphere_by_cartesian(*frames), RADIUS)
+            for frames in (
+                (spherical_frames(normal), spherical_stretch(normal)),
+                (tangent_frames(normal), np.ones((1, 2))),
+            )
         ]
         assert np.allclose(*forms, atol=1e-12) == same
 

@@ -23,7 +23,8 @@ pytestmark = pytest.mark.slow
 
 RESUME = "finished trials are kept. To go on:\n  graspdsl run --resume 'the run'\n"
 CLOSE = ROOT / "specs" / "chapter" / "close.yaml"  # whose trials are short
-QUICK = ("--set", "scene.world=mujoco")
+# Where contacts are probed, trials run one after the other: the second has just begun when the first is finished.
+QUICK = ("--set", "scene.world=mujoco", "--set", "control.displacement=probing")
 FLOATING = ROOT / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 
 

@@ -142,4 +142,4 @@ def test_what_is_not_asked_for_is_not_worked_out() -> None:
     np.testing.assert_array_equal(bare.ranks, whole.ranks)
     assert bare.parts.shape[0] == 0
     assert whole.parts.shape[0] == 1
-    assert len(pipeline.values(seen, certified=False)) == pipeline.certificate < len(pipeline.steps)
+    assert len(pipeline.values(seen, certified=False)) == pipeline.bare < len(pipeline.steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
 from functools import partial
 from itertools import combinations, product
 from typing import Any
@@ -245,13 +246,14 @@ def test_nothing_is_computed_twice_or_in_vain(formula: str) -> None:
     readings = [step.reading for step in pipeline.steps if step.reading]
     assert len(set(readings)) == len(readings)
     values = pipeline.values(observation())
-    for (one, a), (other, b) in combinations(zip(pipeline.steps[: pipeline.certificate], values, strict=False), 2):
+    for (one, a), (other, b) in combinations(zip(pipeline.steps[: pipeline.bare], values, strict=False), 2):
         if np.any(a) and _function(one) == _function(other):
             assert a.shape != b.shape or not np.array_equal(a, b), f"{one.label} = {other.label}"
     used = {place for step in pipeline.steps for place in step.inputs}
     outputs = {pipeline.command, pipeline.force_residual, pipeline.moment_residual}
     for one in pipeline.priorities:
         outputs |= {one.rank, one.sensed, one.effect, one.alone, one.shortened}
+    outputs |= set(astuple(pipeline.certificate)) if pipeline.certificate else set()
     outputs |= set() if pipeline.force_error is None else {pipeline.force_error}
     assert used | outputs == set(range(len(pipeline.steps)))
 
@@ -268,7 +270,7 @@ def test_each_transform_is_evaluated_once(label: str) -> None:
 
 def test_a_controller_written_twice_costs_nothing_more() -> None:
     once, twice = compiled("π_close|Γ Γ"), compiled("π_close|Γ Γ ◁ π_close|Γ Γ")
-    labels = [step.label for step in twice.steps[: twice.certificate]]
+    labels = [step.label for step in twice.steps[: twice.bare]]
     assert [labels.count(step.label) for step in once.steps] == [
         [step.label for step in once.steps].count(step.label) for step in once.steps
     ]

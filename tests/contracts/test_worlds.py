@@ -138,7 +138,7 @@ class Spent(GlidingWorld):
 
 class Neighbourly(FloatingWorld):
     def join(self, start: Start, seed: int) -> None:
-        super().join(start, seed + len(self._points))
+        super().join(start, seed + len(self._joining))
 
 
 class Beside(Floating):
@@ -187,14 +187,13 @@ class Long(Bullet):
     def make(self, settings: WorldSettings) -> WitnessedWorld:
         made = super().make(settings)
 
-        def lengthened(function: Callable[..., Observation]) -> Callable[..., Observation]:
-            def observed(*given: Any) -> Observation:
-                seen = function(*given)
-                return replace(seen, jacobian=1.2 * seen.jacobian)
+        observe = made.observe
 
-            return observed
+        def observed() -> Observation:
+            seen = observe()
+            return replace(seen, jacobian=1.2 * seen.jacobian)
 
-        made.reset, made.step = lengthened(made.reset), lengthened(made.step)
+        made.observe = observed
         return made
 
 

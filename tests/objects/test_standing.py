@@ -18,7 +18,7 @@ from graspdsl.objects.superquadric import Superquadric
 from graspdsl.objects.triangles import TriangleMesh, enclosed
 from graspdsl.objects.turned import Turned, posed, turned
 from graspdsl.spec.scene import InlineObject
-from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.protocol import UnstableObjectError
 from graspdsl.worlds.rigid.settling import resting_pose
 

@@ -22,7 +22,7 @@ from pydantic import Field
 import graspdsl as g
 from graspdsl.cli.documentation import show_documentation
 from graspdsl.cli.viewing import view_object, view_trial
-from graspdsl.compiler.program import examine, examine_expression
+from graspdsl.compiler.program import examine, examine_expression, missing_engine
 from graspdsl.compiler.program import program_of as checked
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
 from graspdsl.hands.description_files import DescriptionFileError
@@ -111,6 +111,20 @@ def _plugin(text: str, **packages: object) -> Act:
         for name, (module, offers) in packages.items():
             installed(folder / "site", module, offers, name=name)
         return examine(text, "spec.yaml", (), folder).diagnostics
+
+    return act
+
+
+def _compiled(gradient: str) -> Act:
+    """A spec with a backend that compiles, where a potential of a package has such a gradient."""
+    imports = "import numpy as np\nfrom graspdsl.arrays import namespace\n"
+    module = f"{imports}{HUBER}\n    def gradient(self, error):\n        return {gradient}\n"
+
+    def act(folder: Path) -> Said:
+        installed(folder / "site", module, PHI, name="kit")
+        program = examine(NAMING.replace("control: {}", "control: {backend: jax}"), "spec.yaml", (), folder).program
+        found = missing_engine(program) if program else None
+        return [found] if found else []
 
     return act
 
@@ -297,6 +311,7 @@ ARRANGED: Mapping[str, tuple[Act, Act]] = {
     "plugin-broken": (_plugin(NAMING, kit=("import kit_of_nobody", PHI)), _plugin(NAMING, kit=(HUBER, PHI))),
     "plugin-unfit": (_plugin(NAMING, kit=("def Huber(): ...", PHI)), _plugin(NAMING, kit=(HUBER, PHI))),
     "plugin-prints": (_plugin(NAMING, kit=(f"print('hello')\n{HUBER}", PHI)), _plugin(NAMING, kit=(HUBER, PHI))),
+    "numpy-alone": (_compiled("np.tanh(error)"), _compiled("namespace(error).sin(error)")),
     "plugin-failed": (_plugin(NAMING, kit=(FAILING, PHI)), _plugin(NAMING, kit=(HUBER, PHI))),
     "plugin-missing": (_made_with("kit_of_nobody"), _made_with("")),
 }

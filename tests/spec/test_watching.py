@@ -13,6 +13,7 @@ from graspdsl.arrays import Array, Flags
 from graspdsl.hands.descriptions import joint_limits, robot
 from graspdsl.spec.monitors import MONITORS, MonitorBounds, Progress, ProgressMonitor
 from graspdsl.spec.watching import OFF, Monitor, Setting, Sight, When
+from graspdsl.worlds.floating import Floating
 
 BARRETT = robot("barrett", "gantry")
 JOINTS = tuple(BARRETT.joints)
@@ -205,6 +206,11 @@ def test_what_is_off_does_not_watch() -> None:
     held = MonitorBounds.model_validate({"palm": True}).in_effect(held=True)
     watching = {monitor.key for monitor in held.watches(setting())}
     assert watching == {"palm", "table", "lost", "joint_limit", "progress"}
+
+
+def test_what_a_world_lacks_is_not_watched() -> None:
+    watching = {monitor.key for monitor in MonitorBounds().watches(setting(), Floating.lacks)}
+    assert watching == {"progress"}
 
 
 def test_every_monitor_says_when_it_speaks() -> None:

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 # A package may import those of the rows above its own, and itself.
 ORDER = (
     {"diagnostics", "arrays", "units", "declared", "specs"},
+    {"backends"},
     {"places", "angles"},
     {"notation"},
     {"models"},

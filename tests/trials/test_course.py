@@ -19,10 +19,16 @@ from graspdsl.compiler.pipeline import Ticks
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.spec.program import Until
 from graspdsl.trials.course import is_low, unmet
-from graspdsl.trials.loop import together
+from graspdsl.trials.loop import TrialLoop, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
-from graspdsl.trials.setup import trial_loop
+from graspdsl.trials.setup import settings_of, trial_loop
+from graspdsl.worlds.floating import Floating
+from graspdsl.worlds.mujoco.kind import Mujoco
+from graspdsl.worlds.mujoco.stage import MujocoStage
+from graspdsl.worlds.mujoco.stages import MujocoEngine
+from graspdsl.worlds.protocol import Command, Observation
+from graspdsl.worlds.rigid.world import RigidWorld
 
 SPECS = Path(__file__).parents[2] / "specs"
 FORMULAS = ["π_gx|Γ Γ", "π_cstar|Γ Γ", "φ_w|τ_wx(Γ) σ_w(Γ)"]
@@ -78,6 +84,59 @@ def test_a_trial_is_the_same_to_the_last_bit_among_any_others(which: int, first:
         assert trial == ALONE[which, number]
 
 
+@pytest.mark.parametrize("name", ["compare/cstar_hysteresis.yaml", "chapter/4_30_grasp_cartesian.yaml"])
+def test_what_follows_is_the_same_however_many_ticks_are_worked_on_at_once(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where stages go forth and back, and where others end."""
+    made, found = program(name, "program.0.limit=3.0"), []
+    for rows in (1, 7, 64):
+        monkeypatch.setattr("graspdsl.trials.tick_rows.ENOUGH", rows)
+        found.append([timeless(trial) for trial in trial_loop(made).run_all(range(3), 7)])
+    assert found[0] == found[1] == found[2]
+
+
+SHORT = ("program.1.limit=0.6", "trials.start.roll=0.3", "trials.start.standoff=0.05")
+TOWEL_ROLL = program(
+    "towel_roll_two_contacts.yaml",
+    "scene.world=mujoco",
+    "scene.sensing={load-cell: {force_noise: 0.02, force_drift: 0.001}}",
+    "evaluate=[ferrari-canny, lift]",
+    *SHORT,
+)
+
+
+@pytest.mark.slow
+def test_a_trial_of_rigid_bodies_is_the_same_to_the_last_bit_beside_others() -> None:
+    """With sensors that are random, and lifted at its end while others still run."""
+    found = {trial.record.number: timeless(trial) for trial in trial_loop(TOWEL_ROLL).run_all(range(3), 7)}
+    assert found == {number: timeless(trial_loop(TOWEL_ROLL).run(number, 7)) for number in range(3)}
+
+
+class Crashing(RigidWorld):
+    """A world whose second trial leaves the realm of numbers at its fortieth tick."""
+
+    def step(self, command: Command) -> Observation:
+        """One tick."""
+        for second in self._trials[1:2]:
+            assert isinstance(second.stage, MujocoStage)
+            if second.ticks == 40:
+                second.stage.state.data.qvel[0] = np.nan
+        return super().step(command)
+
+
+@pytest.mark.slow
+def test_a_trial_that_crashes_leaves_those_beside_it_alone() -> None:
+    engine = MujocoEngine(Mujoco.effort)
+    found = list(TrialLoop(TOWEL_ROLL, Crashing(engine, settings_of(TOWEL_ROLL))).run_all(range(3), 7))
+    crashed, *others = found
+    assert crashed.record.number == 1
+    assert crashed.record.outcome is Outcome.CRASHED
+    assert "numbers" in crashed.record.detail
+    whole = {trial.record.number: timeless(trial) for trial in trial_loop(TOWEL_ROLL).run_all(range(3), 7)}
+    assert {trial.record.number: timeless(trial) for trial in others} == {0: whole[0], 2: whole[2]}
+
+
 def test_trials_side_by_side_share_the_time_they_take() -> None:
     began = time.perf_counter()
     shares = [trial.record.wall_s for trial in trial_loop(PROGRAMS[0]).run_all(range(8), 7)]
@@ -94,10 +153,12 @@ def test_trials_come_as_they_end() -> None:
 
 
 def test_trials_that_take_long_are_fewer_side_by_side() -> None:
-    """So that their trajectories fit into memory; a world of bodies runs one."""
-    assert together(program("compare/cstar.yaml")) == 64
+    """So that their trajectories fit into memory; where contacts are probed, each trial takes its own time."""
+    assert together(program("chapter/4_30_grasp_cartesian.yaml", "program.0.limit=2.0")) == Floating.together
+    assert together(program("compare/cstar.yaml")) < Floating.together
     assert together(program("compare/cstar.yaml", "program.0.limit=600")) < 10
-    assert trial_loop(program("towel_roll_two_contacts.yaml")).together == 1
+    assert together(program("towel_roll_two_contacts.yaml")) > 1
+    assert together(program("compare/probing.yaml")) == 1
 
 
 # Many starts on known surfaces

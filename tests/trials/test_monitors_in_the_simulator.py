@@ -14,7 +14,8 @@ from graspdsl.trials.loop import NoFeasibleStartError, TrialLoop
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import RejectedStart, TrialRecord
 from graspdsl.trials.setup import trial_loop, world_of
-from graspdsl.worlds.bullet.stage import BulletEngine, BulletStage
+from graspdsl.worlds.bullet.stage import BulletStage
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation
 from graspdsl.worlds.rigid.world import RigidWorld

@@ -51,7 +51,7 @@ def following(made: Pipeline, start: Array, ticks: int) -> dict[str, Array]:
     for tick in range(ticks + 1):
         seen = sensed(SPHERE, here, tick / 50, 0.0)
         now = made.ticks(led(seen))
-        log.note(tick, np.array([0]), 0, led(seen), now)
+        log.note(tick, np.array([0]), 0, led(led(seen)), led(now))
         here = slid(SPHERE, here, now.displacement[0])
     return {name: values[:ticks, 0] for name, values in log.channels(0, ticks + 1).items()}
 
@@ -132,7 +132,7 @@ class SoftContacts:
         log = PriorityLog([made], 1)
         for tick in range(ticks + 1):
             now = made.ticks(led(seen))
-            log.note(tick, np.array([0]), 0, led(seen), now)
+            log.note(tick, np.array([0]), 0, led(led(seen)), led(now))
             step = self.carried_out * now.displacement[0]
             depth = np.sum((seen.jacobian @ step) * seen.normals, axis=-1, keepdims=True)
             forces = seen.forces * (1.0 - self.creeps) + self.stiffness * depth * seen.normals

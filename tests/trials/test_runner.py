@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import multiprocessing
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,10 @@ import pytest
 
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
+from graspdsl.trials.loop import TrialLoop, together
 from graspdsl.trials.record import Trial
-from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run
-from graspdsl.trials.store import RunFolder
+from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run, program_of_run
+from graspdsl.trials.store import Row, RunFolder
 
 pytestmark = pytest.mark.slow
 
@@ -47,6 +49,58 @@ def test_what_fails_after_a_trial_leaves_it_kept(folder: RunFolder, workers: int
     assert kept in _numbers(folder)
 
 
+FLOATING = Path(__file__).parents[2] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
+
+
+@pytest.fixture
+def floating(tmp_path: Path) -> RunFolder:
+    """A run of trials that take little time."""
+    return new_run(tmp_path / "run", program_of(FLOATING.read_text(encoding="utf-8"), FLOATING.name))
+
+
+def test_trials_that_take_little_time_are_committed_together(
+    floating: RunFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And told of as they come."""
+    commits: list[int] = []
+    told: list[int] = []
+    commit = floating.commit
+
+    def counted(rows: Sequence[Row]) -> None:
+        commits.append(len(rows))
+        commit(rows)
+
+    def look(trial: Trial) -> None:
+        told.append(trial.record.number)
+        assert len(floating.records()) <= len(told)
+
+    monkeypatch.setattr(floating, "commit", counted)
+    execute(floating, 1, look)
+    assert sum(commits) == floating.manifest.asked == len(_numbers(floating))
+    assert sorted(told) == list(range(floating.manifest.asked))
+    assert len(commits) < floating.manifest.asked / 2
+
+
+def test_trials_that_wait_for_others_are_committed_when_a_run_fails(
+    floating: RunFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended: list[int] = []
+    run_all = TrialLoop.run_all
+
+    def failing(*given: Any) -> Iterator[Trial]:
+        for trial in run_all(*given):
+            yield trial
+            ended.append(trial.record.number)
+            if len(ended) == 3:
+                raise KeyError
+
+    monkeypatch.setattr("graspdsl.trials.loop.TrialLoop.run_all", failing)
+    monkeypatch.setattr("graspdsl.trials.runner.WORTH_A_COMMIT", 60.0)
+    with pytest.raises(KeyError):
+        execute(floating, 1)
+    assert [record.number for record in floating.records()] == sorted(ended)
+
+
 def test_a_killed_worker_ends_the_run_in_good_order(folder: RunFolder) -> None:
     def kill(_: Trial) -> None:
         for worker in multiprocessing.active_children()[:1]:
@@ -60,7 +114,7 @@ def test_a_killed_worker_ends_the_run_in_good_order(folder: RunFolder) -> None:
 
 
 def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a trial costs this process does not depend on how many wait: it gives them out one by one."""
+    """What a trial costs this process does not depend on how many wait: it gives out as many as run side by side."""
     given: list[int] = []
 
     class Pending(list[int]):
@@ -77,7 +131,8 @@ def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.Monke
     monkeypatch.setattr("graspdsl.trials.runner.pending", lambda *_: Pending(range(100_000)))
     with pytest.raises(KeyError):
         execute(folder, 2, look)
-    assert all(known <= 2 * AHEAD + trial for trial, known in enumerate(seen))
+    most = together(program_of_run(folder))
+    assert all(known <= 2 * AHEAD * most + trial for trial, known in enumerate(seen))
 
 
 def test_nothing_left_to_run(folder: RunFolder) -> None:

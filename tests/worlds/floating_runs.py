@@ -15,7 +15,7 @@ from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.objects.surfaces.surface import Surface
-from graspdsl.trials.course import Course, stages_of
+from graspdsl.trials.course import Course, over, stages_of
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.worlds.floating import RATE, FloatingWorld, sensed, slid
 
@@ -103,7 +103,7 @@ def ends(
     world = FloatingWorld(made.robot.contacts, surface, 0.0)
     world.place(points)
     course = Course(made, stages_of(made), world.info, world.observe(), world.truth(), trajectories=False)
-    for place, ending, witness in course.run(world):
+    for place, (ending, witness) in course.run(world, over):
         assert witness is not None
         found.points[place] = witness.truth().points
         if ending.outcome is Outcome.CONVERGED:
@@ -125,7 +125,7 @@ def kept(formula: str, count: int, surface: Surface) -> Flags:
         world = FloatingWorld(made.robot.contacts, surface, 0.0)
         world.place(points[first : first + 100])
         course = Course(made, stages_of(made), world.info, world.observe(), world.truth())
-        for place, ending, _ in course.run(world):
+        for place, (ending, _) in course.run(world, over):
             assert ending.outcome in (Outcome.TIMEOUT, Outcome.UNDONE)  # time was up
             rows = course.log.trajectory(place)
             ended = {name: rows[name][-HOLD:] for name in LOW}

@@ -18,7 +18,7 @@ from graspdsl.hands.descriptions import HERE, Robot, robot
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.worlds.bullet.engine import pybullet
 from graspdsl.worlds.bullet.hand import BulletHand
-from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.kind import WorldSettings
 from graspdsl.worlds.protocol import Command, Observation, Start
 from graspdsl.worlds.rigid.world import RigidWorld

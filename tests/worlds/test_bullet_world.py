@@ -118,7 +118,7 @@ def test_joints_stay_within_their_limits(sign: float) -> None:
         assert (seen.joints[fingers] < upper + 0.01).all()
         end = lower if sign < 0.0 else upper
         assert np.abs(seen.joints[fingers] - end).min() < 0.02  # some did get there
-        targets = world._target
+        targets = world._trials[0].target
         assert (targets >= world.info.lower).all()
         assert (targets <= world.info.upper).all()
 

@@ -34,14 +34,13 @@ def test_the_stiffness_is_that_of_the_dent(force: float) -> None:
 def test_the_engine_obeys(sensing: TactileSensor) -> None:
     """Squeezed ever harder, the dents that the engine shows belong to the forces that it shows."""
     with opened(bullet_world(settings(sensing=sensing, friction=0.5))) as world:
-        grasped(world, side_start(roll=0.1), main_program())
-        carrier = Carrier(world, ROBOT, [0, 1, 2])
+        carrier = Carrier(world, ROBOT, [0, 1, 2], grasped(world, side_start(roll=0.1), main_program()))
         for squeeze in (2.0, 15.0):
             for _ in range(150):
-                carrier.tick(np.zeros(3), squeeze)
+                carrier.observation = world.step(carrier.command(np.zeros(3), squeeze))
             assert carrier.squeeze == pytest.approx(squeeze, rel=0.02)
             truth = world.truth()
             forces = np.einsum("ki,ki->k", truth.forces, truth.normals)
-            nearest = world._felt.nearest(0.01)
+            nearest = world.stage.fingertips.nearest(0.01)
             dents = -np.array([pair[0] for pair in nearest if pair is not None])
             np.testing.assert_allclose(force_of_dent(dents), forces, rtol=0.05)

@@ -7,7 +7,7 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.mujoco.kind import Mujoco
-from graspdsl.worlds.mujoco.stage import MujocoEngine
+from graspdsl.worlds.mujoco.stages import MujocoEngine
 from graspdsl.worlds.rigid.world import RigidWorld
 
 from .scenes import moved, opened, settings, side_start

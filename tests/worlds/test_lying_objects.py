@@ -11,9 +11,9 @@ import pytest
 from graspdsl.objects.cylinder import Cylinder
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.turned import Angles, posed
-from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.mujoco.effort import EFFORT
-from graspdsl.worlds.mujoco.stage import MujocoEngine
+from graspdsl.worlds.mujoco.stages import MujocoEngine
 from graspdsl.worlds.rigid.engine import Engine, Stage
 from graspdsl.worlds.rigid.lean import Standing
 from graspdsl.worlds.rigid.settling import resting_pose

@@ -21,7 +21,7 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.setup import trial_loop
 from graspdsl.worlds.bullet.engine import EFFORT, pybullet
 from graspdsl.worlds.bullet.scene import Scene
-from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.kind import Anchor
 from graspdsl.worlds.protocol import UnstableObjectError
 from graspdsl.worlds.rigid.lean import Standing

@@ -16,7 +16,7 @@ from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, robot
 from graspdsl.objects.box import Box
 from graspdsl.objects.shapes import Body, catalogue
-from graspdsl.worlds.bullet.stage import BulletEngine
+from graspdsl.worlds.bullet.stages import BulletEngine
 from graspdsl.worlds.protocol import InfeasibleStartError, Start
 from graspdsl.worlds.rigid.settling import resting_pose
 from graspdsl.worlds.rigid.start_postures import CLEARANCE, PRESHAPE, StartPostures

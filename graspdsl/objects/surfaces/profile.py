@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, packed
 from graspdsl.objects.surfaces.sampling import accepted
 
 Pair = tuple[float, float]
@@ -65,35 +65,35 @@ class Profile:
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """The nearest points of the curve and its outward normals there, (n, 2) each, for points (n, 2) with ρ ≥ 0."""
-        lines, arcs = self.lines, self.arcs
+        xp, lines, arcs = namespace(points), self.lines, self.arcs
         x, y = points[:, 0], points[:, 1]
 
         away_x, away_y = x - lines.start[:, :1], y - lines.start[:, 1:]
         forward_x, forward_y = lines.direction[:, :1], lines.direction[:, 1:]
-        along = np.clip(away_x * forward_x + away_y * forward_y, 0.0, lines.length[:, None])
+        along = xp.minimum(xp.maximum(away_x * forward_x + away_y * forward_y, 0.0), lines.length[:, None])
         line_x, line_y = lines.start[:, :1] + along * forward_x, lines.start[:, 1:] + along * forward_y
         line_gaps = (x - line_x) ** 2 + (y - line_y) ** 2
 
         away_x, away_y = x - arcs.centre[:, :1], y - arcs.centre[:, 1:]
-        distance = np.hypot(away_x, away_y)
+        distance = xp.hypot(away_x, away_y)
         on_arc = away_x * arcs.middle[:, :1] + away_y * arcs.middle[:, 1:] >= distance * np.cos(arcs.half)[:, None]
         # Off the arc its nearest point is an end, which a line has too.
-        arc_gaps = np.where(on_arc, (distance - arcs.radius[:, None]) ** 2, np.inf)
+        arc_gaps = xp.where(on_arc, (distance - arcs.radius[:, None]) ** 2, np.inf)
 
         # Of all of them the nearest; only its point is worked out for an arc.
-        line, arc, every = np.argmin(line_gaps, axis=0), np.argmin(arc_gaps, axis=0), np.arange(len(points))
+        line, arc, every = xp.argmin(line_gaps, axis=0), xp.argmin(arc_gaps, axis=0), np.arange(len(points))
         is_arc = arc_gaps[arc, every] < line_gaps[line, every]
         reach = distance[arc, every]
-        away = np.stack([away_x[arc, every], away_y[arc, every]], axis=-1)
-        outward = np.where(reach[:, None] > 0.0, away / np.where(reach > 0.0, reach, 1.0)[:, None], arcs.middle[arc])
-        ahead = lines.direction[line]
-        feet = np.where(
-            is_arc[:, None],
-            arcs.centre[arc] + arcs.radius[arc, None] * outward,
-            np.stack([line_x[line, every], line_y[line, every]], axis=-1),
-        )
-        across = np.stack([ahead[:, 1], -ahead[:, 0]], axis=-1)
-        return feet, np.where(is_arc[:, None], arcs.side[arc, None] * outward, across)
+        away = packed(away_x[arc, every], away_y[arc, every])
+        middle, centre, radius, side, ahead = (
+            xp.take(of_each, place, axis=0)
+            for of_each, place in ((arcs.middle, arc), (arcs.centre, arc), (arcs.radius[:, None], arc),
+                                   (arcs.side[:, None], arc), (lines.direction, line))
+        )  # fmt: skip
+        outward = xp.where(reach[:, None] > 0.0, away / xp.where(reach > 0.0, reach, 1.0)[:, None], middle)
+        on_line = packed(line_x[line, every], line_y[line, every])
+        feet = xp.where(is_arc[:, None], centre + radius * outward, on_line)
+        return feet, xp.where(is_arc[:, None], side * outward, packed(ahead[:, 1], -ahead[:, 0]))
 
     def sample(self, count: int, random: np.random.Generator) -> Array:
         """Points (count, 2) of the curve with density in proportion to ρ: even over the area that it sweeps."""

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, packed
 from graspdsl.objects.surfaces.mesh import turned
 from graspdsl.objects.surfaces.profile import Profile
 from graspdsl.objects.surfaces.surface import Surface
@@ -68,13 +68,13 @@ class Revolution(Surface):
 
 def _planar(points: Array) -> tuple[Array, Array]:
     """Points (..., 3) as (ρ, z), (n, 2), and unit vectors (n, 2) of their azimuths; along x for those on the axis."""
-    flat = points.reshape(-1, 3)
-    radius = np.hypot(flat[:, 0], flat[:, 1])
+    xp, flat = namespace(points), points.reshape(-1, 3)
+    radius = xp.hypot(flat[:, 0], flat[:, 1])
     off_axis = radius[:, None] > 0.0
-    azimuths = np.where(off_axis, flat[:, :2] / np.where(off_axis, radius[:, None], 1.0), np.array([1.0, 0.0]))
-    return np.stack([radius, flat[:, 2]], axis=-1), azimuths
+    azimuths = xp.where(off_axis, flat[:, :2] / xp.where(off_axis, radius[:, None], 1.0), np.array([1.0, 0.0]))
+    return packed(radius, flat[:, 2]), azimuths
 
 
 def _spatial(planar: Array, azimuths: Array) -> Array:
     """(ρ, z) and azimuths, (n, 2) each, as (n, 3)."""
-    return np.concatenate([planar[:, :1] * azimuths, planar[:, 1:]], axis=-1)
+    return namespace(planar).concatenate([planar[:, :1] * azimuths, planar[:, 1:]], axis=-1)

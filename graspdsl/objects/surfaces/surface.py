@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace, product
 from graspdsl.objects.surfaces.mesh import Mesh, mesh_of_rings
 from graspdsl.objects.surfaces.vectors import lengths
 
@@ -69,7 +69,7 @@ class Surface(ABC):
         """
         feet = self.nearest(points)
         astray = lengths(feet - points) > ROUNDING * self.size
-        return np.where(astray[..., None], feet, points)
+        return namespace(points).where(astray[..., None], feet, points)
 
     def shape_operators(self, points: Array) -> Array:
         """S = ∂n/∂x, how the outward normal turns as a point slides over the surface [1/m], (..., 3, 3).
@@ -81,8 +81,9 @@ class Surface(ABC):
         moved = self.normals(each + step * np.eye(3)) - self.normals(each - step * np.eye(3))
         normals = self.normals(points)
         tangent = np.eye(3) - normals[..., :, None] * normals[..., None, :]
-        along = tangent @ moved @ tangent / (2.0 * step)
-        return np.asarray(0.5 * (along + np.swapaxes(along, -1, -2)))
+        along: Array = product(product(tangent, moved), tangent) / (2.0 * step)
+        symmetric: Array = 0.5 * (along + namespace(along).swapaxes(along, -1, -2))
+        return symmetric
 
     def mesh(self, count: int = 24) -> Mesh:
         """A closed mesh for drawing, with ``count`` edges for each half turn."""

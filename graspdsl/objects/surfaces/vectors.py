@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, namespace
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -15,7 +15,7 @@ def dot(a: Array, b: Array) -> Array:
 
 def lengths(vectors: Array) -> Array:
     """|v| over the last axis, (...)."""
-    return np.sqrt(dot(vectors, vectors))
+    return namespace(vectors).sqrt(dot(vectors, vectors))
 
 
 def rotated(vectors: Array, rotation: Array) -> Array:
@@ -27,16 +27,16 @@ def rotated(vectors: Array, rotation: Array) -> Array:
 
 def largest(vectors: Array) -> Array:
     """The largest of |x|, |y|, |z|, (...)."""
-    sizes = np.abs(vectors)
-    return np.maximum(np.maximum(sizes[..., 0], sizes[..., 1]), sizes[..., 2])
+    xp = namespace(vectors)
+    sizes = xp.abs(vectors)
+    return xp.maximum(xp.maximum(sizes[..., 0], sizes[..., 1]), sizes[..., 2])
 
 
 def directions(vectors: Array, otherwise: Array) -> Array:
     """v / |v|, (..., 3), also for the smallest numbers there are; ``otherwise`` (3,) in place of no vector at all."""
-    size = largest(vectors)[..., None]
-    scaled = np.where(size > 0.0, vectors / np.where(size > 0.0, size, 1.0), otherwise)
-    result: Array = scaled / lengths(scaled)[..., None]
-    return result
+    xp, size = namespace(vectors), largest(vectors)[..., None]
+    scaled = xp.where(size > 0.0, vectors / xp.where(size > 0.0, size, 1.0), otherwise)
+    return scaled / lengths(scaled)[..., None]
 
 
 def axis_of_least(sizes: tuple[float, float, float]) -> Array:

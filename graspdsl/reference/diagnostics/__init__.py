@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import yaml
-
 from graspdsl.contracts.kinds import CONTRACTS
 from graspdsl.diagnostics import Severity
+from graspdsl.places.data_files import data_in
 
 HERE = Path(__file__).parent
 SECTIONS = ("formulas", "specs", "worlds", "models", "objects", "commands", "plugins")
@@ -57,7 +56,7 @@ def examples() -> Mapping[str, Example]:
     """Every code's example, by the code, section by section."""
     found = {}
     for name in SECTIONS:
-        read = yaml.safe_load((HERE / f"{name}.yaml").read_text("utf-8"))
+        read = data_in(HERE / f"{name}.yaml")
         for code, said in read["diagnostics"].items():
             found[code] = Example(
                 code,

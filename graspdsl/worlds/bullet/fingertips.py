@@ -64,7 +64,3 @@ class BulletFingertips:
             nearest = min(pairs, key=lambda pair: pair[8], default=None)
             answer.append(None if nearest is None else (nearest[8], np.array(nearest[5])))
         return answer
-
-    def jacobian(self, tip: int, place: Array) -> Array:
-        """The linear Jacobian (3, n) of a point of a tip."""
-        return self.hand.jacobians(self.hand.tips[tip], place, self.hand.all_joints())[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from graspdsl.worlds.bullet.engine import EFFORT, INSTALLED_BY
 from graspdsl.worlds.kind import Effort
@@ -20,8 +20,8 @@ class Bullet(RigidBodies):
     effort = EFFORT
     libraries: ClassVar[Mapping[str, str]] = {"pybullet": INSTALLED_BY}
 
-    def engine(self, effort: Effort) -> Engine:
+    def engine(self, effort: Effort) -> Engine[Any]:
         """PyBullet."""
-        from graspdsl.worlds.bullet.stage import BulletEngine
+        from graspdsl.worlds.bullet.stages import BulletEngine
 
         return BulletEngine(effort)

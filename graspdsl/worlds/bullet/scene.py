@@ -152,16 +152,17 @@ class Scene:
 
     def forget(self) -> None:
         """Forget what has acted on the object."""
-        self._acted: list[tuple[Array, list[Touch]]] = []
+        self._acted: list[list[Touch]] = []
+        self._moved: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
 
-    def note(self, time_step: float) -> None:
-        """Note what acts on the object in the step of physics [s] that was just taken."""
+    def note(self) -> None:
+        """Note what acts on the object in the step of physics that was just taken."""
         position, _ = self._engine.getBasePositionAndOrientation(self.object, self._client)
         velocity, _ = self._engine.getBaseVelocity(self.object, self._client)
-        # The engine tells contacts where they were as the step began.
-        self._acted.append((np.array(position) - time_step * np.array(velocity), self.touches()))
+        self._moved.append((position, velocity))
+        self._acted.append(self.touches())
 
-    def loads(self, hand: BulletHand, gravity: float) -> Array:
+    def loads(self, hand: BulletHand, gravity: float, time_step: float) -> Array:
         """What PARTIES put on the object (4, 6): force [N], then moment [N·m] about its centre of mass.
 
         Means over the steps that were noted: over these they add up to the change of the object's momentum, but for the
@@ -171,10 +172,12 @@ class Scene:
         tips = {tip.link for tip in hand.tips}
         loads = np.zeros((len(PARTIES), 6))
         loads[PARTIES.index("gravity"), 2] = -self.mass * gravity
-        touches = [touch for _, found in self._acted for touch in found]
+        touches = [touch for found in self._acted for touch in found]
         if not touches:
             return loads
-        centres = np.repeat([centre for centre, _ in self._acted], [len(found) for _, found in self._acted], axis=0)
+        positions, velocities = np.array(self._moved).swapaxes(0, 1)
+        # The engine tells contacts where they were as the step [s] began.
+        centres = np.repeat(positions - time_step * velocities, [len(found) for found in self._acted], axis=0)
         forces = forces_of(touches)
         levers = np.array([touch.place for touch in touches]) - centres
         parties = [2 if touch.body == self.table else 0 if touch.link in tips else 1 for touch in touches]

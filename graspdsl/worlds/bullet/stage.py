@@ -1,41 +1,18 @@
-"""PyBullet as an engine of rigid bodies: hand, object and table on a stage of its own."""
+"""A stage of PyBullet: hand, object and table in a world of their own."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from graspdsl.arrays import Array
 from graspdsl.objects.shapes import Body
-from graspdsl.worlds.bullet.engine import EFFORT, pybullet, silenced
+from graspdsl.worlds.bullet.engine import pybullet, silenced
 from graspdsl.worlds.bullet.fingertips import BulletFingertips
 from graspdsl.worlds.bullet.hand import BulletHand
 from graspdsl.worlds.bullet.scene import Scene
 from graspdsl.worlds.kind import Anchor, Effort, WorldSettings
-
-
-class BulletEngine:
-    """PyBullet."""
-
-    def __init__(self, effort: Effort = EFFORT) -> None:
-        self._effort = effort
-
-    @property
-    def time_step(self) -> float:
-        """Of a step [s]."""
-        return self._effort.time_step
-
-    def stage(self, settings: WorldSettings, position: Array, quaternion: Array) -> BulletStage:
-        """Object, table and robot."""
-        stage = BulletStage(self._effort, settings.body, settings.table_friction, settings.gravity, settings.anchor)
-        stage.put_hand(settings, position, quaternion)
-        return stage
-
-    def table(self, body: Body, table_friction: float, gravity: float) -> BulletStage:
-        """An object on the table."""
-        return BulletStage(self._effort, body, table_friction, gravity, Anchor.NONE)
-
-    def close(self) -> None:
-        """Nothing is kept: the engine's own reset would not give the same numbers again."""
+from graspdsl.worlds.rigid.engine import stretches
 
 
 class BulletStage:
@@ -44,7 +21,7 @@ class BulletStage:
     hand: BulletHand
 
     def __init__(self, effort: Effort, body: Body, table_friction: float, gravity: float, anchor: Anchor) -> None:
-        self.engine, self._gravity, self._time_step = pybullet(), gravity, effort.time_step
+        self.engine, self.gravity, self.time_step = pybullet(), gravity, effort.time_step
         with silenced():
             self.client: int = self.engine.connect(self.engine.DIRECT)
         self.engine.setTimeStep(effort.time_step, self.client)
@@ -62,13 +39,17 @@ class BulletStage:
         self.fingertips = BulletFingertips(self.hand, self.scene)
 
     def step(self) -> None:
-        """Simulate one time step, and note what acts on the object."""
+        """Simulate one time step."""
         self.engine.stepSimulation(self.client)
-        self.scene.note(self._time_step)
 
-    def soften(self) -> None:
-        """Give the fingertips the stiffness that belongs to how they press now."""
-        self.hand.press([float(forces.sum()) for _, forces in self.fingertips.presses()])
+    def simulate(self, targets: Array, sense: Callable[[int], int]) -> None:
+        """Simulate a tick."""
+        self.scene.forget()
+        for ahead in stretches(len(targets), sense):
+            for target in targets[ahead]:
+                self.hand.drive(target)
+                self.step()
+                self.scene.note()
 
     def attach(self) -> None:
         """Fix the object to the palm where it is."""
@@ -81,22 +62,6 @@ class BulletStage:
     def distance(self, link: int, within: float) -> float:
         """The distance [m] of a link from the object."""
         return min((pair[8] for pair in self.scene.closest(self.hand.body, link, within)), default=math.inf)
-
-    def other_links(self) -> tuple[str, ...]:
-        """Links that press on the object."""
-        return self.scene.other_links(self.hand)
-
-    def table_links(self) -> tuple[str, ...]:
-        """Links that press on the table."""
-        return self.scene.table_links(self.hand)
-
-    def forget(self) -> None:
-        """Forget what has acted on the object."""
-        self.scene.forget()
-
-    def loads(self) -> Array:
-        """What PARTIES put on the object, but for the engine's own damping."""
-        return self.scene.loads(self.hand, self._gravity)
 
     def close(self) -> None:
         """Give the engine's world back."""

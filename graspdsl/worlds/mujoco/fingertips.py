@@ -11,9 +11,8 @@ from graspdsl.arrays import Array
 from graspdsl.worlds.mujoco.hand import MujocoHand
 from graspdsl.worlds.mujoco.scene import MujocoScene
 from graspdsl.worlds.mujoco.state import State
+from graspdsl.worlds.mujoco.touches import Touches
 from graspdsl.worlds.touch.fingertip_sensor import Fingertip
-
-Met = list[tuple[Array, Array, Array]]  # points, normals and forces of the contacts of each tip
 
 
 class MujocoFingertips:
@@ -21,7 +20,6 @@ class MujocoFingertips:
 
     def __init__(self, state: State, hand: MujocoHand, scene: MujocoScene) -> None:
         self._state, self._hand, self._scene = state, hand, scene
-        self._met: tuple[object, Met] = None, []
 
     @property
     def tips(self) -> Sequence[Fingertip]:
@@ -30,7 +28,7 @@ class MujocoFingertips:
 
     def frames(self) -> list[tuple[Array, Array]]:
         """The frames of the tips' links."""
-        return self._hand.tip_frames()
+        return list(zip(*self._hand.tip_frames(), strict=True))
 
     def wrenches(self) -> Array:
         """What the load cells hold up, (k, 6)."""
@@ -38,27 +36,16 @@ class MujocoFingertips:
 
     def contacts(self) -> tuple[Array, Array, Array]:
         """True contact points, normals into the object and forces on it, each (k, 3); NaN rows where none touches."""
-        answer = np.full((3, len(self.tips), 3), np.nan)
-        for row, (points, normals, forces) in enumerate(self._touches()):
-            weights = np.vecdot(normals, forces)
-            if not weights.size:
-                continue
-            normal = weights @ normals
-            answer[0, row] = weights @ points / weights.sum()
-            answer[1, row] = normal / np.linalg.norm(normal)
-            answer[2, row] = forces.sum(axis=0)
-        return answer[0], answer[1], answer[2]
+        points, normals, forces, _ = self._touches().summed()
+        return points[0], normals[0], forces[0]
 
     def presses(self) -> list[tuple[Array, Array]]:
         """Where the object presses on each fingertip, (c, 3), and the normal forces (c,) [N] there."""
-        return [(points, np.vecdot(normals, forces)) for points, normals, forces in self._touches()]
+        found = self._touches()
+        return [(found.points[found.tip == tip], found.presses[found.tip == tip]) for tip in range(len(self.tips))]
 
-    def _touches(self) -> Met:
-        """Where each tip presses on the object, looked up once a step."""
-        pressing = self._state.pressing
-        if self._met[0] is not pressing:
-            self._met = pressing, self._scene.touches(self._hand.tip_geoms)
-        return self._met[1]
+    def _touches(self) -> Touches:
+        return Touches([self._state], self._hand, self._scene)
 
     def nearest(self, within: float) -> list[tuple[float, Array] | None]:
         """The distance [m] of the object from each fingertip, negative for a dent, and the tip's nearest point (3,)."""
@@ -72,9 +59,3 @@ class MujocoFingertips:
                     nearest, point = distance, ends[:3]
             answer.append(None if nearest >= within else (nearest, point))
         return answer
-
-    def jacobian(self, tip: int, place: Array) -> Array:
-        """The linear Jacobian (3, n) of a point of a tip."""
-        places = [np.zeros(3)] * len(self.tips)
-        places[tip] = place
-        return np.asarray(self._hand.tip_jacobians(places)[0][tip])

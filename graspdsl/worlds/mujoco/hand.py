@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot, coupling_of
-from graspdsl.worlds.mujoco.model import LIFT, SOFT_IMPEDANCE, TIP, TipBody
+from graspdsl.worlds.mujoco.model import ACTING, LIFT, SOFT_IMPEDANCE, TIP, TipBody
 from graspdsl.worlds.mujoco.state import State
 from graspdsl.worlds.protocol import Palm
 from graspdsl.worlds.touch.compliance import DAMPING, stiffness_under
@@ -48,15 +48,21 @@ class MujocoHand:
                 for tip in tips
             ]
         )
+        sensors = [model.sensor(number) for number in range(model.nsensor)]
+        self.acting = np.array([sensor.adr + np.arange(9) for sensor in sensors if sensor.name.startswith(ACTING)])
         self._tip_of_pair = np.array([self.tip_geoms.index(geom) for geom in model.pair_geom1.tolist()])
         self._scales = _scales(model)
         model.pair_solref[:, 1] = -self._scales * DAMPING
         model.pair_solreffriction[:, 0] = -NO_SPRING
         model.pair_solreffriction[:, 1] = -self._scales * LIFT
+        self._stiffnesses = list[float]()
         self.press([0.0] * len(tips))
         self.tips = tuple(self._tip(*each) for each in zip(robot.contacts, self._tip_bodies, strict=True))
         robots = [body for body in range(1, model.nbody) if model.body_rootid[body] == self._root]
         self.geoms: list[int] = np.flatnonzero(np.isin(model.geom_bodyid, robots)).tolist()
+        self.is_mine = np.isin(np.arange(model.ngeom), self.geoms)
+        self.tip_of = np.full(model.ngeom, -1)
+        self.tip_of[self.tip_geoms] = range(len(self.tip_geoms))
         self.link_of = {geom: model.body(model.geom_bodyid[geom]).name.removeprefix(TIP) for geom in self.geoms}
 
     def _tip(self, contact: str, body: int) -> Fingertip:
@@ -86,44 +92,43 @@ class MujocoHand:
         self._data.qvel[self._motions] = 0.0
         self._state.moved()
 
-    def drive(self, joints: Array) -> None:
-        """Set the position targets (n,) of the joint motors, the coupled joints with them."""
-        self._data.ctrl[:] = self.coupling @ joints
+    def controls(self, targets: Array) -> Array:
+        """What the motors are told to drive the joints to targets (s, n), (s, m) of them."""
+        return np.asarray(targets @ self.coupling.T)
 
     def press(self, presses: Sequence[float]) -> None:
         """Give the fingertips the stiffness that belongs to the normal forces [N] they press with."""
-        stiffnesses = np.array([stiffness_under(press) for press in presses])
-        self._model.pair_solref[:, 0] = -self._scales * stiffnesses[self._tip_of_pair]
+        stiffnesses = [stiffness_under(press) for press in presses]
+        if stiffnesses != self._stiffnesses:
+            self._stiffnesses = stiffnesses
+            self._model.pair_solref[:, 0] = -self._scales * np.array(stiffnesses)[self._tip_of_pair]
 
     def joints(self) -> Array:
         """The (n,) actuated positions."""
         return np.asarray(self._data.qpos[self._actuated])
 
-    def tip_frames(self) -> list[tuple[Array, Array]]:
-        """Origin (3,) and rotation (3, 3) of each fingertip's frame."""
+    def tip_frames(self) -> tuple[Array, Array]:
+        """Origins (k, 3) and rotations (k, 3, 3) of the fingertips' frames."""
         data = self._state.placed
-        return [(data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()) for body in self._tip_bodies]
+        return data.xpos[self._tip_bodies], data.xmat[self._tip_bodies].reshape(-1, 3, 3)
 
     def cell_readings(self) -> Array:
         """The (k, 6) wrenches on the load cells, force then moment about the tips' centres of mass, in their frames."""
         return np.asarray(self._data.sensordata[self._cells])
 
-    def tip_jacobians(self, places: Sequence[Array]) -> tuple[Array, Array]:
-        """Linear and angular Jacobians (k, 3, n) of a point (3,) fixed in the frame of each fingertip."""
-        linear, angular = self._jacobians(self._tip_bodies, places)
-        return linear, angular
-
     def face_frame(self) -> tuple[Array, Array]:
         """Origin (3,) and rotation (3, 3) of the mounting face."""
         return self._state.placed.xpos[self._face].copy(), self._state.placed.xmat[self._face].reshape(3, 3).copy()
 
-    def _jacobians(self, bodies: Sequence[int], places: Sequence[Array]) -> Array:
-        """Linear and angular Jacobians (2, k, 3, n) of points (3,) fixed in the frames of k bodies."""
-        found, data = np.zeros((2, len(bodies), 3, self._model.nv)), self._state.placed
-        for row, (body, place) in enumerate(zip(bodies, places, strict=True)):
-            point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ place
-            mujoco.mj_jac(self._model, data, found[0, row], found[1, row], point, body)
-        return np.asarray(found[..., self._motions] @ self.coupling)
+    def note_jacobians(self, points: Array, linear: Array, angular: Array) -> None:
+        """Write down how all motions of the model move points (k, 3) of the fingertips, and turn these, (k, 3, v)."""
+        data = self._state.placed
+        for body, *of_tip in zip(self._tip_bodies, points, linear, angular, strict=True):
+            mujoco.mj_jac(self._model, data, of_tip[1], of_tip[2], of_tip[0], body)
+
+    def by_joints(self, jacobians: Array) -> Array:
+        """Jacobians (..., v) by all motions of the model as such by the joints, (..., n)."""
+        return np.asarray(jacobians[..., self._motions] @ self.coupling)
 
     def links_beyond(self, joints: Sequence[str]) -> set[int]:
         """The links that these joints move."""
@@ -144,9 +149,10 @@ class MujocoHand:
 
     def palm(self) -> Palm:
         """The palm at the origin of its link."""
-        jacobian = np.concatenate(self._jacobians([self._palm], [np.zeros(3)])[:, 0])
-        frame = self._state.placed.xmat[self._palm].reshape(3, 3)
-        return Palm(self._state.placed.xpos[self._palm].copy(), frame.copy(), jacobian)
+        data, found = self._state.placed, np.zeros((2, 3, self._model.nv))
+        place, frame = data.xpos[self._palm].copy(), data.xmat[self._palm].reshape(3, 3).copy()
+        mujoco.mj_jac(self._model, data, found[0], found[1], place, self._palm)
+        return Palm(place, frame, np.concatenate(self.by_joints(found)))
 
 
 def _scales(model: mujoco.MjModel) -> Array:

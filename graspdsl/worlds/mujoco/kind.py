@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from graspdsl.worlds.kind import Effort
 from graspdsl.worlds.mujoco.effort import EFFORT
@@ -18,10 +18,11 @@ class Mujoco(RigidBodies):
     about = "the same by another engine, many times faster (MuJoCo)"
 
     effort = EFFORT
+    together = 64
     libraries: ClassVar[Mapping[str, str]] = {"mujoco": "pip install mujoco"}
 
-    def engine(self, effort: Effort) -> Engine:
+    def engine(self, effort: Effort) -> Engine[Any]:
         """MuJoCo."""
-        from graspdsl.worlds.mujoco.stage import MujocoEngine
+        from graspdsl.worlds.mujoco.stages import MujocoEngine
 
         return MujocoEngine(effort)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from graspdsl.arrays import Array
@@ -27,7 +25,7 @@ class MujocoScene:
         joint = model.body_jntadr[self.body]
         self._place: int | None = int(model.jnt_qposadr[joint]) if free else None
         self._motion = int(model.jnt_dofadr[joint])
-        self._is_mine = np.isin(np.arange(model.ngeom), self.geoms)
+        self.is_mine = np.isin(np.arange(model.ngeom), self.geoms)
 
     def pose(self) -> EnginePose:
         """The frame's place [m] and its quaternion, w first."""
@@ -73,21 +71,3 @@ class MujocoScene:
             )
         points = np.concatenate(corners)
         return box_corners(points.min(axis=0), points.max(axis=0))
-
-    def touches(self, geoms: Sequence[int]) -> list[tuple[Array, Array, Array]]:
-        """Of each of some geoms, where it presses on the object: points (c, 3) [m], normals into that, forces on it."""
-        data = self._data
-        rows, pairs = self._state.pressing
-        mine = self._is_mine[pairs]
-        met = mine.any(axis=1)
-        rows, pairs, second = rows[met], pairs[met], mine[met, 1]
-        others, frames = np.where(second, pairs[:, 0], pairs[:, 1]), data.contact.frame[rows].reshape(-1, 3, 3)
-        # The engine tells what geom 2 feels, along the axes of the contact, the first its normal from geom 1 to geom 2.
-        along = data.efc_force[data.contact.efc_address[rows, None] + np.arange(3)]
-        sign = np.where(second, 1.0, -1.0)[:, None]
-        points, normals, forces = (
-            data.contact.pos[rows],
-            sign * frames[:, 0],
-            sign * np.vecmat(along, frames),
-        )
-        return [(points[others == geom], normals[others == geom], forces[others == geom]) for geom in geoms]

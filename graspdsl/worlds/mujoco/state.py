@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 import mujoco
-import numpy as np
 
-from graspdsl.arrays import Rows
 from graspdsl.worlds.protocol import WorldCrashError
 
-# It would write a file of its warnings into the folder one is in; what leaves the realm of numbers is told by ``step``.
+# It would write a file of its warnings into the folder one is in; what leaves the realm of numbers is told
+# by ``must_be_finite``.
 mujoco.set_mju_user_warning(lambda _: None)
 
 
@@ -20,28 +19,20 @@ class State:
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model, self.data = model, mujoco.MjData(model)
         self._moved = True
-        self._pressing: tuple[Rows, Rows] | None = None
 
     def step(self) -> None:
         """Simulate one time step. Contacts, forces and readings are then those at its beginning."""
         mujoco.mj_step(self.model, self.data)
-        if not math.isfinite(self.data.qacc.sum()):
-            raise WorldCrashError("the accelerations are not numbers")
-        self._moved, self._pressing = True, None
-
-    def moved(self) -> None:
-        """Something has been put elsewhere."""
         self._moved = True
 
-    @property
-    def pressing(self) -> tuple[Rows, Rows]:
-        """The contacts that carry a force, (c,), and their pairs of geoms (c, 2)."""
-        if self._pressing is None:
-            contact = self.data.contact
-            able = np.flatnonzero(contact.efc_address >= 0)
-            rows = able[self.data.efc_force[contact.efc_address[able]] > 0.0]
-            self._pressing = rows, contact.geom[rows]
-        return self._pressing
+    def must_be_finite(self) -> None:
+        """Raises WorldCrashError where accelerations are not numbers; once they are none, they stay so."""
+        if not math.isfinite(self.data.qacc.sum()):
+            raise WorldCrashError("the accelerations are not numbers")
+
+    def moved(self) -> None:
+        """Something is elsewhere."""
+        self._moved = True
 
     @property
     def placed(self) -> mujoco.MjData:

@@ -21,7 +21,7 @@ from graspdsl.worlds.mujoco.effort import EFFORT
 from graspdsl.worlds.mujoco.looks import put_contacts, put_object, put_table, robot_looks
 from graspdsl.worlds.mujoco.model import OBJECT, quaternion_of
 from graspdsl.worlds.mujoco.pictures import Painter
-from graspdsl.worlds.mujoco.stage import MujocoEngine
+from graspdsl.worlds.mujoco.stages import MujocoEngine
 from graspdsl.worlds.protocol import NoWindowError, Start
 from graspdsl.worlds.rigid.engine import OUT_OF_THE_WAY, stands_free
 from graspdsl.worlds.rigid.settling import resting_pose

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple, Protocol, TypeVar
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
 from graspdsl.worlds.kind import Anchor, WorldSettings
-from graspdsl.worlds.protocol import Palm
-from graspdsl.worlds.touch.fingertip_sensor import Fingertip, FingertipPhysics
+from graspdsl.worlds.protocol import Names, Palm
+from graspdsl.worlds.touch.fingertip_sensor import Fingertip, FingertipPhysics, TipFrames
 
 CONTROL_RATE = 50.0  # Hz, of ticks
 # The lever [m] of what a table resists rolling with, as of a can on wood, under what lies on its round side. Without it
@@ -94,20 +94,8 @@ class StagedHand(Protocol):
         """Put the joints (n,) where they are told, at rest, without simulating."""
         ...
 
-    def drive(self, joints: Array) -> None:
-        """Set the position targets (n,) of the joint motors, the coupled joints with them."""
-        ...
-
     def joints(self) -> Array:
         """Where the joints (n,) are [m or rad]."""
-        ...
-
-    def tip_frames(self) -> list[tuple[Array, Array]]:
-        """Origin (3,) and rotation (3, 3) of each fingertip link's frame, in the world."""
-        ...
-
-    def tip_jacobians(self, places: Sequence[Array]) -> tuple[Array, Array]:
-        """Linear and angular Jacobians (k, 3, n) of a point (3,) fixed in the frame of each fingertip's link."""
         ...
 
     def face_frame(self) -> tuple[Array, Array]:
@@ -116,6 +104,10 @@ class StagedHand(Protocol):
 
     def palm(self) -> Palm:
         """The palm at the origin of its link."""
+        ...
+
+    def press(self, presses: Sequence[float]) -> None:
+        """Give the fingertips the stiffness that belongs to the normal forces [N] they press with."""
         ...
 
     def links_beyond(self, joints: Sequence[str]) -> set[int]:
@@ -150,11 +142,16 @@ class Stage(Protocol):
         ...
 
     def step(self) -> None:
-        """Simulate one time step."""
+        """Simulate one time step. Raises WorldCrashError."""
         ...
 
-    def soften(self) -> None:
-        """Give the fingertips the stiffness that belongs to how they press now."""
+    def simulate(self, targets: Array, sense: Callable[[int], int]) -> None:
+        """Simulate a tick, the joints' motors driven to targets (s, n) in turn, one a time step. What acts on the
+        object is noted, what acted before forgotten.
+
+        sense: is told how many steps have been made since it was called last, and tells after how many more it is to be
+        called again. Raises WorldCrashError.
+        """
         ...
 
     def attach(self) -> None:
@@ -172,44 +169,80 @@ class Stage(Protocol):
         """The distance [m] between a link of the hand and the object; infinite above ``within``."""
         ...
 
-    def other_links(self) -> tuple[str, ...]:
-        """Names of the hand's links other than fingertips that press on the object."""
-        ...
-
-    def table_links(self) -> tuple[str, ...]:
-        """Names of the robot's links that press on the table; its base stands still and is none of them."""
-        ...
-
-    def forget(self) -> None:
-        """Forget what has acted on the object."""
-        ...
-
-    def loads(self) -> Array:
-        """What PARTIES put on the object (4, 6): force [N], then moment [N·m] about its centre of mass.
-
-        Means over the steps since all was forgotten: over these they add up to the change of the object's momentum.
-        """
-        ...
-
     def close(self) -> None:
         """Give back what the engine holds."""
         ...
 
 
-class Engine(Protocol):
-    """An engine of rigid bodies; one of its settings serves one world, a stage after another."""
+class Touched(NamedTuple):
+    """What touches what on N stages, with k fingertips each.
+
+    points, normals, forces: (N, k, 3), those of the true contacts of tips with objects, normals into these and forces
+    on them; NaN where none touches. presses: (N, k), the normal forces [N] of all contacts of each tip. other_links:
+    what else of each robot presses on its object, table_links: what of it presses on the table, by name.
+    """
+
+    points: Array
+    normals: Array
+    forces: Array
+    presses: Array
+    other_links: Names
+    table_links: Names
+
+
+class Stages(Protocol):
+    """Alike stages side by side, N of them, each as it is alone."""
+
+    def joints(self) -> Array:
+        """Where the joints (N, n) are [m or rad]."""
+        ...
+
+    def tip_frames(self) -> TipFrames:
+        """The frames of the fingertips' links, in the world."""
+        ...
+
+    def tip_jacobians(self, frames: TipFrames, places: Array) -> Array:
+        """Linear and angular Jacobians (2, N, k, 3, n) of points (N, k, 3) in the frames of the fingertips' links,
+        which are at present those that are given."""
+        ...
+
+    def object_poses(self) -> tuple[Array, Array]:
+        """The objects' centres of mass (N, 3) [m] and the rotations (N, 3, 3) of their body frames."""
+        ...
+
+    def touched(self) -> Touched:
+        """What touches what."""
+        ...
+
+    def loads(self) -> Array:
+        """What PARTIES put on the objects (N, 4, 6): force [N], then moment [N·m] about the centre of mass.
+
+        Means over the steps of the last tick: over these they add up to the change of an object's momentum.
+        """
+        ...
+
+
+Staged = TypeVar("Staged", bound=Stage)
+
+
+class Engine(Protocol[Staged]):
+    """An engine of rigid bodies; one of its settings serves one world, its stages one after another or side by side."""
 
     @property
     def time_step(self) -> float:
         """Of a step [s]."""
         ...
 
-    def stage(self, settings: WorldSettings, position: Array, quaternion: Array) -> Stage:
+    def stage(self, settings: WorldSettings, position: Array, quaternion: Array) -> Staged:
         """Object, table and robot, whose root is at a position (3,) [m] and quaternion (4,), x first, all its joints at
         zero."""
         ...
 
-    def table(self, body: Body, table_friction: float, gravity: float) -> Stage:
+    def side_by_side(self, stages: Sequence[Staged]) -> Stages:
+        """Stages of the same settings."""
+        ...
+
+    def table(self, body: Body, table_friction: float, gravity: float) -> Staged:
         """An object upright on the table; there is no robot."""
         ...
 
@@ -226,3 +259,13 @@ def stands_free(anchor: Anchor) -> bool:
 def stands_still(anchor: Anchor) -> bool:
     """Whether the object is fixed in the world."""
     return anchor in (Anchor.WORLD, Anchor.MOUNT)
+
+
+def stretches(steps: int, sense: Callable[[int], int]) -> Iterator[slice]:
+    """A tick of so many steps in stretches between which nothing senses; after each something does, as
+    :meth:`Stage.simulate` has it."""
+    done, until = 0, sense(0)
+    while done < steps:
+        ahead = slice(done, min(done + until, steps))
+        yield ahead
+        until, done = sense(ahead.stop - done), ahead.stop

@@ -10,7 +10,8 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import damped_pseudo_inverse, in_rows
 from graspdsl.hands.descriptions import Robot
-from graspdsl.worlds.rigid.engine import CONTROL_RATE, StagedHand
+from graspdsl.worlds.rigid.engine import CONTROL_RATE, Stages
+from graspdsl.worlds.rigid.feeling import felt
 from graspdsl.worlds.touch.fingertips import Fingertips
 
 LIFT = 0.010  # m off the surface
@@ -22,27 +23,24 @@ DAMPING = 0.02
 
 
 class Probe:
-    """The fingertips of a hand, which ``advance`` moves: one tick, its joints displaced by (n,) [m or rad]."""
+    """The fingertips of a hand, which ``advance`` moves: one tick, its joints displaced by (1, n) [m or rad]."""
 
-    def __init__(self, hand: StagedHand, tips: Fingertips, advance: Callable[[Array], None]) -> None:
-        self._hand, self._tips, self._advance = hand, tips, advance
+    def __init__(self, robot: Robot, alone: Stages, tips: Fingertips, advance: Callable[[Array], None]) -> None:
+        """alone: the one stage that the hand is on."""
+        self._robot, self._alone, self._tips, self._advance = robot, alone, tips, advance
 
     def displace(self, displacement: Array) -> None:
         """Displace the contacts by (k, 3) [m]: lifted, through the air, and down until all touch."""
-        before = self._tips.read()
-        self._carry(-LIFT * before.normals)
+        normals = felt(self._alone, self._alone.tip_frames(), [self._tips]).normals[0]
+        self._carry(-LIFT * normals)
         self._carry(displacement)
         for _ in range(round(LONGEST_APPROACH / TOUCH_SPEED * CONTROL_RATE)):
-            touching = self._tips.read().touching
+            touching = felt(self._alone, self._alone.tip_frames(), [self._tips]).touching[0]
             if touching.all():
                 break
-            self._nudge(np.where(touching[:, None], 0.0, before.normals * (TOUCH_SPEED / CONTROL_RATE)))
+            self._nudge(np.where(touching[:, None], 0.0, normals * (TOUCH_SPEED / CONTROL_RATE)))
         for _ in range(SETTLE_TICKS):
-            self._advance(np.zeros(len(self._robot.joints)))
-
-    @property
-    def _robot(self) -> Robot:
-        return self._hand.robot
+            self._advance(np.zeros((1, len(self._robot.joints))))
 
     def _carry(self, offsets: Array) -> None:
         """Move the fingertips by offsets (k, 3) [m], straight and together."""
@@ -61,10 +59,10 @@ class Probe:
     def _servo(self, error: Array, jacobian: Array) -> None:
         weights = np.array(self._robot.weights)
         inverse = damped_pseudo_inverse(DAMPING, in_rows(jacobian * weights))
-        self._advance(weights * (inverse @ error.ravel()))
+        self._advance((weights * (inverse @ error.ravel()))[None])
 
     def _centres(self) -> tuple[Array, Array]:
         """Centres (k, 3) [m] of the fingertips and their Jacobians (k, 3, n)."""
-        tips, frames = self._hand.tips, self._hand.tip_frames()
-        centres = [origin + rotation @ tip.centre for tip, (origin, rotation) in zip(tips, frames, strict=True)]
-        return np.array(centres), self._hand.tip_jacobians([tip.centre for tip in tips])[0]
+        frames, places = self._alone.tip_frames(), self._tips.centres[None]
+        centres = frames.origins + np.matvec(frames.rotations, places)
+        return centres[0], self._alone.tip_jacobians(frames, places)[0, 0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,13 +23,13 @@ NUDGE = 0.02  # rad/s
 NUDGED_TIME = 1.2  # s
 
 
-def resting_pose(engine: Engine, body: Body, table_friction: float, gravity: float) -> EnginePose:
+def resting_pose(engine: Engine[Any], body: Body, table_friction: float, gravity: float) -> EnginePose:
     """The pose that an object comes to rest in, put down on a table about the origin and let go.
 
     A cylinder, a box or a ball rests as it is put down. Raises UnstableObjectError for what does not stay near the pose
     it was put down in. It is found in a world of its own, so that a trial does not depend on those before it.
     """
-    stage = engine.table(body, table_friction, gravity)
+    stage: Stage = engine.table(body, table_friction, gravity)
     try:
         trial = _Settling(stage, engine.time_step, Standing.of(stage.scene.object_pose()[1], body.shape))
         if not body.shape.rests:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ class StartPostures:
     It serves any number of starts: an answer does not depend on those before it. To be closed.
     """
 
-    def __init__(self, engine: Engine, settings: WorldSettings, resting: EnginePose | None) -> None:
+    def __init__(self, engine: Engine[Any], settings: WorldSettings, resting: EnginePose | None) -> None:
         self._robot = settings.robot
         self._reach = ArmReach(self._robot) if self._robot.mount.base else None
         self._steps = np.array([CLOSING_STEPS[unit] for unit in joint_units(self._robot).values()])

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.hands.fingertips import FingertipShape
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
 from graspdsl.worlds.touch.signals import Flaws, SensorSignal, Timing
@@ -58,16 +59,23 @@ class FingertipPhysics(Protocol):
         None beyond ``within`` [m]."""
         ...
 
-    def jacobian(self, tip: int, place: Array) -> Array:
-        """The linear Jacobian (3, n), in the world, of a point (3,) [m] in the frame of a tip's link."""
-        ...
-
 
 class Clock(NamedTuple):
     """The rates [Hz] of the engine's steps and of the control's ticks."""
 
     engine: float
     control: float
+
+
+class TipFrames(NamedTuple):
+    """The frames of the links of k fingertips of N hands: origins (N, k, 3) [m], rotations (N, k, 3, 3)."""
+
+    origins: Array
+    rotations: Array
+
+    def of(self, row: int) -> Frames:
+        """Those of one hand."""
+        return list(zip(self.origins[row], self.rotations[row], strict=True))
 
 
 class TipContact(NamedTuple):
@@ -84,7 +92,8 @@ class FingertipSensor(ABC):
     """The tactile sensors of all fingertips of a hand. Steps count the engine's steps since the scene was built.
 
     ``name``: as a spec has it; ``model``: of its settings there; ``called``: what contacts are said to have;
-    ``needs_cells``: whether the hand must have a load cell before each tip; ``tares``: whether it has a zero.
+    ``needs_cells``: whether the hand must have a load cell before each tip; ``tares``: whether it has a zero;
+    ``sees_ahead``: whether it may know the surface before a tip that does not touch.
     A sensor that takes samples has a ``signal``; one without sees what is there, at once.
     """
 
@@ -94,6 +103,7 @@ class FingertipSensor(ABC):
     model: ClassVar[type[TactileSensor]]
     needs_cells: ClassVar[bool] = False
     tares: ClassVar[bool] = False
+    sees_ahead: ClassVar[bool] = False
 
     def __init__(
         self, spec: Any, hand: FingertipPhysics, gravity: float, clock: Clock, seed: np.random.SeedSequence
@@ -114,6 +124,10 @@ class FingertipSensor(ABC):
     def due(self, step: int) -> bool:
         """Whether a sample is to be taken now."""
         return self.signal is not None and self.signal.due(step)
+
+    def wait(self, step: int) -> int:
+        """In how many steps after this one the next sample falls due."""
+        return sys.maxsize if self.signal is None else self.signal.wait(step)
 
     def sample(self, step: int) -> None:
         """Take the sample that is due."""
@@ -147,6 +161,19 @@ class FingertipSensor(ABC):
     @abstractmethod
     def contact(self, tip: int) -> TipContact:
         """The contact of a tip that touches, in the present reading."""
+
+    @classmethod
+    def strengths_of(cls, sensors: Sequence[Self], step: int, frames: TipFrames) -> Array:
+        """The strengths (N, k) of N hands side by side."""
+        return np.array([sensor.strengths(step, frames.of(row)) for row, sensor in enumerate(sensors)])
+
+    @classmethod
+    def contacts_of(cls, sensors: Sequence[Self], touching: Flags, frames: TipFrames) -> Array:
+        """The contacts of the tips of N hands that touch, c in all, in order: their places, points, normals and forces,
+        (4, c, 3)."""
+        del frames  # they were told with the strengths
+        found = [sensors[row].contact(tip) for row, tip in np.argwhere(touching).tolist()]
+        return np.array(found).swapaxes(0, 1)
 
     def at(self, tip: int, from_centre: Array) -> tuple[Array, Array]:
         """A point (3,) of a tip's surface, given from the centre of its shape: in the frame of its link, and in the

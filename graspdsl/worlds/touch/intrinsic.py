@@ -17,43 +17,47 @@ import math
 import numpy as np
 
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import cross
 
 LONGEST_LEVER = 1e6  # of |m| / |f|, in sizes of the tip: beyond it a load is taken to be pure torsion
 GRAZING = 1e-6  # the least -n·f / |f| that a contact pushes with
 
 
 def sphere_contact(force: Array, moment: Array, radius: float) -> Array:
-    """The contact point (3,) [m] on a spherical tip of ``radius`` [m], from its centre; force, moment: (3,).
+    """The contact points (..., 3) [m] on a spherical tip of ``radius`` [m], from its centre; force, moment: (..., 3).
 
     With n = c / R, squaring gives (c·f)² = ((R²f² − m²) + √((R²f² − m²)² + 4 R² (m·f)²)) / 2, then K = (m·f) / (c·f)
     and c from the linear equation. A load whose line of action misses the sphere has the point of the sphere that is
-    nearest to that line. Raises ValueError when the force is zero.
+    nearest to that line. Raises ValueError when a force is zero.
     """
     forces, moments = _scaled(force, moment, radius)
-    fx, fy, fz = forces.tolist()
-    mx, my, mz = moments.tolist()
+    fx, fy, fz = (forces[..., axis] for axis in range(3))
+    mx, my, mz = (moments[..., axis] for axis in range(3))
     force_squared = fx * fx + fy * fy + fz * fz
     along = fx * mx + fy * my + fz * mz
     reach = force_squared - (mx * mx + my * my + mz * mz)
-    root = math.sqrt(reach * reach + 4.0 * along * along)
+    root = np.sqrt(reach * reach + 4.0 * along * along)
     # Of the two forms of one root, the one that does not subtract equals.
-    push_squared = 0.5 * (reach + root) if reach > 0.0 else 2.0 * along * along / (root - reach)
-    push = -math.sqrt(max(push_squared, GRAZING * GRAZING * force_squared))
+    opposite = np.where(root > reach, root - reach, 1.0)
+    push_squared = np.where(reach > 0.0, 0.5 * (reach + root), 2.0 * along * along / opposite)
+    push = -np.sqrt(np.maximum(push_squared, GRAZING * GRAZING * force_squared))
     twist = along / push
-    cross = (fy * mz - fz * my, fz * mx - fx * mz, fx * my - fy * mx)
-    x, y, z = (twist * m + c + push * f for m, c, f in zip((mx, my, mz), cross, (fx, fy, fz), strict=True))
-    stretch = radius / math.hypot(x, y, z)
-    return np.array([x * stretch, y * stretch, z * stretch])
+    points = twist[..., None] * moments + cross(forces, moments) + push[..., None] * forces
+    sizes = np.asarray(_hypot(points[..., 0], points[..., 1], points[..., 2]), dtype=np.float64)
+    return np.asarray(points * (radius / sizes)[..., None])
+
+
+_hypot = np.frompyfunc(math.hypot, 3, 1)
 
 
 def _scaled(force: Array, moment: Array, size: float) -> tuple[Array, Array]:
-    """A load in units in which the tip's size is 1 and the force about 1, so that no product leaves the numbers."""
-    scale, lever = float(np.abs(force).max()), float(np.abs(moment).max())
-    if scale == 0.0:
+    """Loads in units in which the tip's size is 1 and the force about 1, so that no product leaves the numbers."""
+    scale, lever = np.abs(force).max(axis=-1, keepdims=True), np.abs(moment).max(axis=-1, keepdims=True)
+    if (scale == 0.0).any():
         raise ValueError("a contact without a force has no place")
-    if lever > LONGEST_LEVER * scale * size:
-        return force / scale, moment / lever * LONGEST_LEVER
-    return force / scale, moment / scale / size if lever > 0.0 else moment
+    twists = lever > LONGEST_LEVER * scale * size
+    scaled = moment / np.where(twists, lever, scale)
+    return force / scale, np.where(twists, scaled * LONGEST_LEVER, scaled / size)
 
 
 def ellipsoid_contact(force: Array, moment: Array, semi_axes: Array) -> Array:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Self
+
 import numpy as np
 
-from graspdsl.arrays import Array
+from graspdsl.arrays import Array, Flags
 from graspdsl.basis.algebra import cross, length
 from graspdsl.spec.sensing import LoadCell
-from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact
+from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor, Frames, TipContact, TipFrames
 from graspdsl.worlds.touch.signals import Flaws
 
 
@@ -24,6 +27,7 @@ class LoadCells(FingertipSensor):
     model = LoadCell
     needs_cells = True
     tares = True
+    loads: Array
 
     def flaws(self) -> Flaws:
         """Of forces, then of moments."""
@@ -41,26 +45,52 @@ class LoadCells(FingertipSensor):
 
     def read(self, step: int) -> Array:
         """The loads (k, 6) that the object puts on the tips."""
-        return self._loads(step, self.hand.frames())
+        _, rotations = zip(*self.hand.frames(), strict=True)
+        return np.asarray(self._loads([self], step, np.array(rotations)[None])[0])
 
-    def _loads(self, step: int, frames: Frames) -> Array:
-        """The (k, 6) loads that the object puts on the tips, about their shapes' centres, in the tips' frames."""
-        tips, raw = self.hand.tips, super().read(step)
+    @classmethod
+    def _loads(cls, sensors: Sequence[Self], step: int, rotations: Array) -> Array:
+        """The (N, k, 6) loads that objects put on the tips, about their shapes' centres, in the tips' frames, which are
+        turned by (N, k, 3, 3)."""
+        tips = sensors[0].hand.tips
+        raw = np.array([super(LoadCells, sensor).read(step) for sensor in sensors])
         masses = np.array([tip.mass for tip in tips])
         levers = np.array([tip.weight_lever for tip in tips])
         # Along the rows of the rotations; the joint holds up the weights of the tips, and answers to the object's load.
-        weights = (-self.gravity * masses)[:, None] * np.array([rotation[2] for _, rotation in frames])
-        forces = -raw[:, :3] - weights
-        return np.concatenate([forces, cross(levers, forces) - raw[:, 3:]], axis=1)
+        weights = (-sensors[0].gravity * masses)[:, None] * rotations[..., 2, :]
+        forces = -raw[..., :3] - weights
+        return np.concatenate([forces, cross(levers, forces) - raw[..., 3:]], axis=-1)
+
+    @classmethod
+    def strengths_of(cls, sensors: Sequence[Self], step: int, frames: TipFrames) -> Array:
+        """The forces (N, k) [N] of the loads, friction and all."""
+        loads = cls._loads(sensors, step, frames.rotations) - np.array([sensor.zero for sensor in sensors])
+        for sensor, load in zip(sensors, loads, strict=True):
+            sensor.loads = load
+        return length(loads[..., :3])
+
+    @classmethod
+    def contacts_of(cls, sensors: Sequence[Self], touching: Flags, frames: TipFrames) -> Array:
+        """Where the loads of tips act."""
+        loads, tips = np.array([sensor.loads for sensor in sensors])[touching], np.nonzero(touching)[1]
+        forces, from_centres, normals = loads[:, :3], np.empty((len(tips), 3)), np.empty((len(tips), 3))
+        for tip, surface in enumerate(sensors[0].surfaces):
+            if (chosen := tips == tip).any():
+                from_centres[chosen] = surface.contacts(forces[chosen], loads[chosen, 3:])
+                normals[chosen] = surface.normals(from_centres[chosen])
+        places = np.array([tip.centre for tip in sensors[0].hand.tips])[tips] + from_centres
+        origins, rotations = frames.origins[touching], frames.rotations[touching]
+        points = origins + np.matvec(rotations, places)
+        return np.array([places, points, np.matvec(rotations, normals), -np.matvec(rotations, forces)])
 
     def strengths(self, step: int, frames: Frames) -> Array:
         """The forces (k,) [N] of the loads, friction and all."""
-        self.loads, self.frames = self._loads(step, frames) - self.zero, frames
-        return length(self.loads[:, :3])
+        self.frames = frames
+        origins, rotations = (np.array(part)[None] for part in zip(*frames, strict=True))
+        return np.asarray(self.strengths_of([self], step, TipFrames(origins, rotations))[0])
 
     def contact(self, tip: int) -> TipContact:
         """Where the load of a tip acts."""
-        load, surface = self.loads[tip], self.surfaces[tip]
-        _, rotation = self.frames[tip]
-        from_centre = surface.contact(load[:3], load[3:])
-        return TipContact(*self.at(tip, from_centre), rotation @ surface.normal(from_centre), -rotation @ load[:3])
+        origins, rotations = (np.array(part)[None] for part in zip(*self.frames, strict=True))
+        touching = (np.arange(len(self.frames)) == tip)[None]
+        return TipContact(*self.contacts_of([self], touching, TipFrames(origins, rotations))[:, 0])

@@ -27,6 +27,7 @@ class ProximitySensors(FingertipSensor):
     about = "infrared sensors in each fingertip: the surface ahead, and a force from how deep the tip is dented"
     called = "proximity sensors"
     model = Proximity
+    sees_ahead = True
 
     def flaws(self) -> Flaws:
         """Of distances, then of directions."""

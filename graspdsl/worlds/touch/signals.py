@@ -65,7 +65,7 @@ class SensorSignal:
     """
 
     def __init__(self, flaws: Flaws, timing: Timing, seeds: Sequence[np.random.SeedSequence]) -> None:
-        self._flaws, self._timing = flaws, timing
+        self._flaws, self._timing, self._is_exact = flaws, timing, flaws.none
         self._random = [np.random.default_rng(seed) for seed in seeds]
         shape = (len(seeds), len(flaws.noise))
         self._bias = np.array([random.normal(size=shape[1]) for random in self._random]).reshape(shape) * flaws.bias
@@ -79,6 +79,10 @@ class SensorSignal:
         """Whether a sample falls on this step of the clock or lies behind."""
         return self._due(step) > self._taken
 
+    def wait(self, step: int) -> int:
+        """In how many steps after this one the next sample falls due."""
+        return max(1, math.ceil((self._taken + 1 - ROUNDING) / (self._timing.step * self._timing.rate)) - step)
+
     def _due(self, step: int) -> int:
         return math.floor(step * self._timing.step * self._timing.rate + ROUNDING)
 
@@ -86,7 +90,7 @@ class SensorSignal:
         """Take the samples that are due, of the true values (k, d)."""
         count = self._due(step) - self._taken
         self._taken += count
-        measured = values if self._flaws.none else self._measured(values, count)
+        measured = values if self._is_exact else self._measured(values, count)
         if self._filtered is not None and self._timing.filter > 0.0:
             share = -math.expm1(-count / (self._timing.rate * self._timing.filter))
             measured = self._filtered + share * (measured - self._filtered)

@@ -10,6 +10,7 @@ import numpy as np
 
 from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
+from graspdsl.basis.algebra import length
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape, SphereTip
 from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.worlds.touch.intrinsic import capsule_contact, ellipsoid_contact, sphere_contact
@@ -42,6 +43,14 @@ class FingertipSurface(ABC):
         force (3,) [N], moment (3,) [N·m] about the centre. Raises ValueError when the force is zero.
         """
 
+    def normals(self, points: Array) -> Array:
+        """The outward unit normals (c, 3) at points (c, 3)."""
+        return np.array([self.normal(point) for point in points])
+
+    def contacts(self, forces: Array, moments: Array) -> Array:
+        """The contact points (c, 3) of loads (c, 3) each."""
+        return np.array([self.contact(*load) for load in zip(forces, moments, strict=True)])
+
     @abstractmethod
     def taxels(self, pitch: float) -> Taxels:
         """Taxels about ``pitch`` [m] apart, in rings about one axis."""
@@ -66,6 +75,14 @@ class SphereSurface(FingertipSurface):
     def contact(self, force: Array, moment: Array) -> Array:
         """See :func:`graspdsl.worlds.touch.intrinsic.sphere_contact`."""
         return sphere_contact(force, moment, self.radius)
+
+    def normals(self, points: Array) -> Array:
+        """The directions of the points."""
+        return np.asarray(points / length(points)[:, None])
+
+    def contacts(self, forces: Array, moments: Array) -> Array:
+        """The same of many at once."""
+        return sphere_contact(forces, moments, self.radius)
 
     def taxels(self, pitch: float) -> Taxels:
         """Rings about z."""
