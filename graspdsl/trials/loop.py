@@ -34,7 +34,7 @@ MOST_DRAWS = 500
 TOLD_EACH = 25  # draws
 OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
 
-TRIAL_TICKS = 200_000  # of trials side by side: some 150 MB of floating contacts, if all run to the end of their time
+TRIAL_TICKS = 200_000  # of trials side by side: some 300 MB of floating contacts, if all run to the end of their time
 NOTHING = Logbook([], np.zeros((1, 3)), [])  # of a trial that had no tick
 
 OnDrawing = Callable[[int, int], None]  # number of a trial, draws of a start that it could not take up so far
