@@ -32,13 +32,12 @@ from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
-from graspdsl.trials.store import Manifest, Row, RunFolder
+from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
-WORTH_A_COMMIT = 0.25  # s that trials took
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
 
@@ -94,8 +93,7 @@ def execute(
     finished: Sequence[TrialRecord] | None = None,
     on_drawing: OnDrawing | None = None,
 ) -> None:
-    """Run the trials that are not finished yet; they are committed to the folder as they end, those that took little
-    time some together.
+    """Run the trials that are not finished yet; each is committed to the folder as it ends.
 
     finished: those that are, where they have been read already, for that takes a look at every trajectory.
 
@@ -131,39 +129,15 @@ def execute(
             trials = _elsewhere(folder, batches, seed, workers, tell)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
-        with interruption.at_the_end(spend), closing(trials), closing(_kept(folder, trials)) as kept:
-            for trial in kept:
+        with interruption.at_the_end(spend), closing(trials):
+            for trial in trials:
+                folder.add(trial)
                 if on_trial is not None:
                     on_trial(trial)
                 if trial.record.number < first and not trial.record.has_begun:
                     barren[trial.record.number] = trial.record
                 if len(barren) == first and program.spec.trials.grid is None:
                     raise DiagnosticError([_none_begins(list(barren.values()), program.body)])
-
-
-def _kept(folder: RunFolder, trials: Iterator[Trial]) -> Generator[Trial, None, None]:
-    """Trials as they come, kept in the folder. To commit takes longer than many a trial, and so those that all together
-    took less than is worth it wait for others, or for the end, whatever brings it: no more than that is ever lost."""
-    waiting = list[tuple[Trial, Row]]()
-
-    def commit() -> None:
-        with interruption.whole():
-            if waiting:
-                folder.commit([row for _, row in waiting])
-            waiting.clear()
-
-    def commit_rest() -> None:
-        with suppress(DiagnosticError):  # what has ended it says more
-            commit()
-
-    with interruption.at_the_end(commit_rest):
-        for trial in trials:
-            with interruption.whole():
-                waiting.append((trial, folder.draft(trial)))
-            if sum(trial.record.wall_s for trial, _ in waiting) >= WORTH_A_COMMIT:
-                commit()
-            yield trial
-        commit()
 
 
 def _can_be_run(program: Program) -> None:

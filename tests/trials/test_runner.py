@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import multiprocessing
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,10 @@ import pytest
 
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.loop import TrialLoop, together
+from graspdsl.trials.loop import together
 from graspdsl.trials.record import Trial
 from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run, program_of_run
-from graspdsl.trials.store import Row, RunFolder
+from graspdsl.trials.store import RunFolder
 
 pytestmark = pytest.mark.slow
 
@@ -47,58 +46,6 @@ def test_what_fails_after_a_trial_leaves_it_kept(folder: RunFolder, workers: int
     execute(folder, workers)
     assert len(_numbers(folder)) == COUNT
     assert kept in _numbers(folder)
-
-
-FLOATING = Path(__file__).parents[2] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
-
-
-@pytest.fixture
-def floating(tmp_path: Path) -> RunFolder:
-    """A run of trials that take little time."""
-    return new_run(tmp_path / "run", program_of(FLOATING.read_text(encoding="utf-8"), FLOATING.name))
-
-
-def test_trials_that_take_little_time_are_committed_together(
-    floating: RunFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """And told of as they come."""
-    commits: list[int] = []
-    told: list[int] = []
-    commit = floating.commit
-
-    def counted(rows: Sequence[Row]) -> None:
-        commits.append(len(rows))
-        commit(rows)
-
-    def look(trial: Trial) -> None:
-        told.append(trial.record.number)
-        assert len(floating.records()) <= len(told)
-
-    monkeypatch.setattr(floating, "commit", counted)
-    execute(floating, 1, look)
-    assert sum(commits) == floating.manifest.asked == len(_numbers(floating))
-    assert sorted(told) == list(range(floating.manifest.asked))
-    assert len(commits) < floating.manifest.asked / 2
-
-
-def test_trials_that_wait_for_others_are_committed_when_a_run_fails(
-    floating: RunFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    ended: list[int] = []
-    run_all = TrialLoop.run_all
-
-    def failing(*given: Any) -> Iterator[Trial]:
-        for trial in run_all(*given):
-            yield trial
-            ended.append(trial.record.number)
-            if len(ended) == 3:
-                raise KeyError
-
-    monkeypatch.setattr("graspdsl.trials.loop.TrialLoop.run_all", failing)
-    monkeypatch.setattr("graspdsl.trials.runner.WORTH_A_COMMIT", 60.0)
-    with pytest.raises(KeyError):
-        execute(floating, 1)
-    assert [record.number for record in floating.records()] == sorted(ended)
 
 
 def test_a_killed_worker_ends_the_run_in_good_order(folder: RunFolder) -> None:
