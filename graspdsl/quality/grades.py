@@ -21,12 +21,13 @@ _BUILT_IN: tuple[Grade, ...] = (
 GRADES: dict[str, Grade] = {grade.name: grade for grade in _BUILT_IN}
 
 
-def graded(grasp: Grasp, asked: Container[str]) -> Test[dict[str, Found]]:
-    """What the grades of these names say of a grasp, in the order of the table, and what that takes."""
-    found = dict[str, Found]()
+def tested(grasp: Grasp, asked: Container[str]) -> Test[None]:
+    """What the grades of these names do with a grasp before they are asked, in the order of the table."""
     for name, grade in GRADES.items():
         if name in asked:
-            if not grasp.missing:
-                yield from grade.test(grasp)
-            found[name] = grade.of(grasp)
-    return found
+            yield from grade.test(grasp)
+
+
+def graded(grasp: Grasp, asked: Container[str]) -> dict[str, Found]:
+    """What the grades of these names say of a grasp, in the order of the table."""
+    return {name: grade.of(grasp) for name, grade in GRADES.items() if name in asked}

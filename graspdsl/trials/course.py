@@ -517,10 +517,7 @@ def of_rows(whole: Batch, rows: Rows, count: int) -> Batch:
 
 def _are_numbers(*arrays: Array) -> Flags:
     """Whether all that arrays (M, ...) hold of a trial is finite, (M,)."""
-    finite = [np.isfinite(array) for array in arrays]
-    if all(found.all() for found in finite):
-        return np.ones(len(arrays[0]), dtype=bool)
-    whole: Flags = np.logical_and.reduce([found.reshape(len(found), -1).all(axis=-1) for found in finite])
+    whole: Flags = np.logical_and.reduce([np.isfinite(array).reshape(len(array), -1).all(axis=-1) for array in arrays])
     return whole
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.quality.grade import CRASHED, NO_CONTACTS, Found, Grasp
-from graspdsl.quality.grades import GRADES, graded
+from graspdsl.quality.grades import graded, tested
 from graspdsl.worlds.protocol import PalmWorld, Test, Witness
 
 Quality = Mapping[str, Found]
@@ -47,9 +47,10 @@ class Evaluation:
             self._grading,
             world if isinstance(world, PalmWorld) else None,
         )
-        return (yield from graded(grasp, self._grades))
+        yield from tested(grasp, self._grades)
+        return graded(grasp, self._grades)
 
     def of_nothing(self, reason: str) -> Quality:
         """The grades of a trial without a grasp to grade: none is closed, measured or held, for this reason."""
         grasp = Grasp(self._robot, self._friction, self.torque_scale, grading=self._grading, missing=reason)
-        return {name: grade.of(grasp) for name, grade in GRADES.items() if name in self._grades}
+        return graded(grasp, self._grades)

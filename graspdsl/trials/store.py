@@ -28,7 +28,6 @@ from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, r
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
 FILES = COPIES  # of those that the spec names
 LOCK = "lock"
-Row = Sequence[object]  # a trial in the table
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ class Manifest:
 
 
 class RunFolder:
-    """A run on disk. Finished trials are committed as they come, so an interrupted run keeps what it has.
+    """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has.
 
     ``allow_code``: whether the Python files in it, which its spec names, may be run.
     """
@@ -165,24 +164,15 @@ class RunFolder:
     def add(self, trial: Trial) -> None:
         """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot, or
         where a thing of another package says of it what could not be read again."""
-        self.commit([self.draft(trial)])
-
-    def draft(self, trial: Trial) -> Row:
-        """Keep the trajectory of a finished trial; it is finished once its row, which this gives, is committed. Raises
-        DiagnosticError as ``add`` does."""
+        marks = ", ".join("?" for _ in COLUMNS)
         with answered_for(self.manifest.plugins):
             row = row_of(trial.record)
             if self.manifest.plugins:
                 record_of(row)
         with self._writing():
             self._save_trajectory(trial)
-        return row
-
-    def commit(self, rows: Sequence[Row]) -> None:
-        """Commit rows of trials, all or none of them. Raises DiagnosticError if they cannot be."""
-        marks = ", ".join("?" for _ in COLUMNS)
-        with self._writing(), self._table() as table:
-            table.executemany(f"INSERT OR REPLACE INTO trials VALUES ({marks})", rows)
+            with self._table() as table:
+                table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row)
 
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""

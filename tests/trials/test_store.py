@@ -99,14 +99,6 @@ def test_a_trial_may_be_added_again(folder: RunFolder) -> None:
     assert [record.rejected for record in folder.records()] == [()]
 
 
-def test_a_trial_is_finished_once_its_row_is_committed(folder: RunFolder) -> None:
-    others = [Trial(dataclasses.replace(RECORD, number=number), TRIAL.trajectory) for number in (0, 1)]
-    rows = [folder.draft(trial) for trial in others]
-    assert [record.number for record in folder.finished()] == [2]
-    folder.commit(rows)
-    assert [record.number for record in folder.finished()] == [0, 1, 2]
-
-
 def test_wall_time_adds_up(folder: RunFolder) -> None:
     folder.spend(1.5)
     folder.spend(2.0)

@@ -11,7 +11,7 @@ from graspdsl.objects.shapes import Body
 from graspdsl.worlds.bullet.engine import EFFORT
 from graspdsl.worlds.bullet.stage import BulletStage
 from graspdsl.worlds.kind import Anchor, Effort, WorldSettings
-from graspdsl.worlds.rigid.engine import Touched
+from graspdsl.worlds.rigid.engine import Stages, Touched
 from graspdsl.worlds.touch.fingertip_sensor import TipFrames
 
 
@@ -44,15 +44,11 @@ class BulletEngine:
         """Nothing is kept: the engine's own reset would not give the same numbers again."""
 
 
-class BulletStages:
+class BulletStages(Stages):
     """Stages that are asked one after the other."""
 
     def __init__(self, stages: Sequence[BulletStage]) -> None:
-        self._stages = stages
-
-    def joints(self) -> Array:
-        """Where the joints (N, n) are [m or rad]."""
-        return np.array([stage.hand.joints() for stage in self._stages])
+        self._stages: Sequence[BulletStage] = stages
 
     def tip_frames(self) -> TipFrames:
         """The frames of the fingertips' links, in the world."""
@@ -64,11 +60,6 @@ class BulletStages:
         del frames
         found = [stage.hand.tip_jacobians(place) for stage, place in zip(self._stages, places, strict=True)]
         return np.array(found).swapaxes(0, 1)
-
-    def object_poses(self) -> tuple[Array, Array]:
-        """The objects' centres of mass (N, 3) [m] and the rotations (N, 3, 3) of their body frames."""
-        places, rotations = zip(*(stage.scene.object_pose() for stage in self._stages), strict=True)
-        return np.array(places), np.array(rotations)
 
     def touched(self) -> Touched:
         """What touches what."""

@@ -16,7 +16,7 @@ from graspdsl.worlds.mujoco.model import TipBody, part_overlapping, robot_spec, 
 from graspdsl.worlds.mujoco.stage import MujocoStage
 from graspdsl.worlds.mujoco.touches import Touches
 from graspdsl.worlds.protocol import PARTIES
-from graspdsl.worlds.rigid.engine import Touched
+from graspdsl.worlds.rigid.engine import Stages, Touched
 from graspdsl.worlds.touch.fingertip_sensor import TipFrames
 
 
@@ -60,15 +60,11 @@ class MujocoEngine:
         self._built = None
 
 
-class MujocoStages:
+class MujocoStages(Stages):
     """Stages of one model."""
 
     def __init__(self, stages: Sequence[MujocoStage]) -> None:
-        self._stages = stages
-
-    def joints(self) -> Array:
-        """Where the joints (N, n) are [m or rad]."""
-        return np.array([stage.hand.joints() for stage in self._stages])
+        self._stages: Sequence[MujocoStage] = stages
 
     def tip_frames(self) -> TipFrames:
         """The frames of the fingertips' links, in the world."""
@@ -83,11 +79,6 @@ class MujocoStages:
         for stage, *of_stage in zip(self._stages, points, *found, strict=True):
             stage.hand.note_jacobians(*of_stage)
         return hand.by_joints(found)
-
-    def object_poses(self) -> tuple[Array, Array]:
-        """The objects' centres of mass (N, 3) [m] and the rotations (N, 3, 3) of their body frames."""
-        places, rotations = zip(*(stage.scene.object_pose() for stage in self._stages), strict=True)
-        return np.array(places), np.array(rotations)
 
     def touched(self) -> Touched:
         """What touches what."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol, TypeVar
 
+import numpy as np
+
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import Robot
 from graspdsl.objects.shapes import Body
@@ -193,9 +195,11 @@ class Touched(NamedTuple):
 class Stages(Protocol):
     """Alike stages side by side, N of them, each as it is alone."""
 
+    _stages: Sequence[Stage]
+
     def joints(self) -> Array:
         """Where the joints (N, n) are [m or rad]."""
-        ...
+        return np.array([stage.hand.joints() for stage in self._stages])
 
     def tip_frames(self) -> TipFrames:
         """The frames of the fingertips' links, in the world."""
@@ -208,7 +212,8 @@ class Stages(Protocol):
 
     def object_poses(self) -> tuple[Array, Array]:
         """The objects' centres of mass (N, 3) [m] and the rotations (N, 3, 3) of their body frames."""
-        ...
+        places, rotations = zip(*(stage.scene.object_pose() for stage in self._stages), strict=True)
+        return np.array(places), np.array(rotations)
 
     def touched(self) -> Touched:
         """What touches what."""

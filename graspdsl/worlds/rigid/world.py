@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
@@ -82,13 +83,12 @@ class RigidWorld:
             self._postures = StartPostures(self._engine, self.settings, self._resting)
         posture = self._postures.find(start)
         stage = self._engine.stage(self.settings, *root_pose(robot, start))
-        try:
+        with ExitStack() as unless_it_begins:
+            unless_it_begins.callback(stage.close)
             if self._resting is not None:
                 stage.scene.place(self._resting)
             trial = RigidTrial(stage, self.settings, self.info, posture, self._steps, seed)
-        except BaseException:
-            stage.close()
-            raise
+            unless_it_begins.pop_all()
         self._hold([*self._trials, trial])
         self._is_one = False
 
