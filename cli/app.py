@@ -52,6 +52,12 @@ AllowCode = Annotated[
 Evaluated = Annotated[
     Evaluator | None, typer.Option("--backend", help="What evaluates ticks, not what the spec says; jax is an extra.")
 ]
+Kept = Annotated[
+    str | None,
+    typer.Option(
+        metavar="all|ends|none|every=N", help="Which ticks of trajectories are kept; trials measure the same with each."
+    ),
+]
 Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
 
 
@@ -112,6 +118,7 @@ def run(
     resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
     backend: Evaluated = None,
+    keep: Kept = None,
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Make no page now: graspdsl report makes it at any time.")
     ] = False,
@@ -121,7 +128,7 @@ def run(
     """Run a spec's trials and report what the controller did."""
     with answering(as_json):
         if resume is not None:
-            if trials is not None or seed is not None or out is not None or settings or backend:
+            if trials is not None or seed is not None or out is not None or settings or backend or keep:
                 message = "a resumed run keeps its trials, seed, folder and settings"
                 raise typer.BadParameter(message, param_hint="--resume")
             from graspdsl.cli.running import finish, go_on
@@ -133,6 +140,7 @@ def run(
             overrides = _with_backend(settings, backend)
             overrides += [f"trials.count={trials}"] if trials is not None else []
             overrides += [f"trials.seed={seed}"] if seed is not None else []
+            overrides += [f"trials.keep={keep}"] if keep is not None else []
             program = sound(spec, tuple(overrides), allow_code=allow_code)
             from graspdsl.cli.running import begin, finish
 

@@ -15,7 +15,7 @@ from graspdsl.report.comparison import Comparison, comparison, comparison_tables
 from graspdsl.report.comparison_page import PAGE, write_comparison
 from graspdsl.report.sameness import said_of
 from graspdsl.report.summary import plain
-from graspdsl.trials.store import fresh_folder
+from graspdsl.trials.folders import fresh_folder
 
 
 def show_comparison(paths: list[Path], out: Path | None, as_json: bool, *, allow_code: bool = False) -> None:

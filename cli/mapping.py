@@ -32,9 +32,10 @@ from graspdsl.report.statistics import wilson
 from graspdsl.report.tables import COUNT, Column, Table
 from graspdsl.report.wording import percent, percents
 from graspdsl.report.writing import prepare, replace
+from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.maps import Cells, WantedAxis, axes_of, floating_cells, grid_settings, refused
-from graspdsl.trials.store import SPEC, fresh_folder
+from graspdsl.trials.store import SPEC
 
 MOST_CELLS, MOST_ALONG = 100_000, 1000
 _AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")

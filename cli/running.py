@@ -18,9 +18,10 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_l
 from graspdsl.places.files import read_text
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.summary import plain
+from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import INTERRUPTED, interruption
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run
-from graspdsl.trials.store import RunFolder, fresh_folder
+from graspdsl.trials.store import RunFolder
 
 RUNS = Path("runs")
 

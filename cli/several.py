@@ -12,8 +12,9 @@ from graspdsl.api.runs import Run
 from graspdsl.cli.running import RUNS, carried_on, keeping, opened
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, reading
+from graspdsl.trials.folders import fresh_folder, locked, made
 from graspdsl.trials.runner import new_run, pending
-from graspdsl.trials.store import MANIFEST, fresh_folder, locked, made
+from graspdsl.trials.store import MANIFEST
 
 ANOTHER = "name another folder with --out"
 

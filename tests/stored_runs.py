@@ -16,3 +16,12 @@ def stored_run(place: Path, spec: Path, *overrides: str, begun: bool = True) -> 
     if begun:
         execute(folder, workers=1)
     return folder
+
+
+def lose_trajectory(folder: RunFolder, number: int) -> None:
+    """Turn a bit in the middle of what is kept of a trial's trajectory."""
+    [piece] = [piece for piece in folder.pieces() if piece.number == number]
+    file = folder.packs.file(number)
+    content = bytearray(file.read_bytes())
+    content[piece.offset + piece.size // 2] ^= 1
+    file.write_bytes(content)

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task
 from rich.table import Column
 from rich.text import Text
 
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.record import TrialRecord
 
 BAR = 20  # cells
 LINES = 10  # in all, where there is no terminal
@@ -98,9 +98,9 @@ class TrialProgress(Progress):
         self._drawing = ""
         super().__init__(asked, len(finished), to)
 
-    def advance(self, trial: Trial) -> None:
+    def advance(self, record: TrialRecord) -> None:
         """One more trial is finished."""
-        self._outcomes[trial.record.outcome.value] += 1
+        self._outcomes[record.outcome.value] += 1
         self._drawing = ""
         self.step()
 

@@ -25,10 +25,11 @@ from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, summarised
 from graspdsl.report.wording import counted
 from graspdsl.trials.columns import columns_of
+from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
-from graspdsl.trials.store import LOCK, SPEC, RunFolder, unwritable
+from graspdsl.trials.store import SPEC, RunFolder
 from graspdsl.trials.trajectories import Layout
 
 if TYPE_CHECKING:
@@ -125,8 +126,7 @@ def _carried_on(begun: Run, workers: int | None, progress: bool | OnRecord) -> R
     with reading(str(folder.path)), folder.held():
         finished = folder.finished()
         if callable(progress):
-            tell = progress
-            execute(folder, workers, lambda trial: tell(trial.record), finished)
+            execute(folder, workers, progress, finished)
         elif progress:
             from graspdsl.api.progress import TrialProgress
 

@@ -18,7 +18,7 @@ from graspdsl.report.statistics import median
 from graspdsl.report.tables import TEXT, Column, Table, Value
 from graspdsl.report.wording import counted, percent
 from graspdsl.trials.record import TrialRecord
-from graspdsl.trials.trajectories import CHANNELS, Rows
+from graspdsl.trials.trajectories import CHANNELS, TICK, Rows
 
 Pairs = Sequence[tuple[TrialRecord, TrialRecord]]  # of one run, of another
 Verdict = Literal["identical", "same to rounding", "different", "no trajectories", "no equal trials"]
@@ -98,17 +98,21 @@ def samenesses(evidences: Sequence[Evidence], equal_trials: Mapping[tuple[int, i
 
 
 def parting(mine: Rows, theirs: Rows) -> tuple[int | None, dict[str, float]]:
-    """The first tick at which two trajectories part, None where they never do, and their largest differences by unit,
-    those that are zero too.
+    """The first tick at which two trajectories part, of those that both have kept, None where they never do, and their
+    largest differences by unit, those that are zero too.
 
     They part where a number differs by more than neighbouring floats of 32 bits, in which trajectories are stored, do
     at the largest of its channel: what differs by less was the same but for rounding. One that goes on where the other
     has ended parts from it there.
     """
-    ticks, latest = sorted((_ticks(mine), _ticks(theirs)))
-    first, largest = None if ticks == latest else ticks, dict[str, float]()
-    for name in HAPPENED if ticks else ():
-        one, other = (np.asarray(rows[name][:ticks], dtype=np.float64).reshape(ticks, -1) for rows in (mine, theirs))
+    both, of_mine, of_theirs = np.intersect1d(_kept(mine), _kept(theirs), assume_unique=True, return_indices=True)
+    ended, latest = sorted((_ticks(mine), _ticks(theirs)))
+    first, largest = None if ended == latest else ended, dict[str, float]()
+    for name in HAPPENED if len(both) else ():
+        one, other = (
+            np.asarray(rows[name][kept], dtype=np.float64).reshape(len(both), -1)
+            for rows, kept in ((mine, of_mine), (theirs, of_theirs))
+        )
         if one.shape != other.shape:
             return 0, largest
         if not one.size:
@@ -117,14 +121,19 @@ def parting(mine: Rows, theirs: Rows) -> tuple[int | None, dict[str, float]]:
         unit = CHANNELS[name].unit
         known = np.where(np.isnan(gaps), 0.0, gaps)
         largest[unit] = max(largest.get(unit, 0.0), float(known.max()))
-        parted = np.flatnonzero((gaps > _rounding(one, other)).any(axis=1) | np.isnan(gaps).any(axis=1))
+        parted = both[(gaps > _rounding(one, other)).any(axis=1) | np.isnan(gaps).any(axis=1)]
         if len(parted):
             first = int(parted[0]) if first is None else min(first, int(parted[0]))
     return first, largest
 
 
+def _kept(rows: Rows) -> Array:
+    """The numbers of the ticks that are kept."""
+    return np.asarray(rows[TICK], dtype=np.float64) if rows else np.zeros(0)
+
+
 def _ticks(rows: Rows) -> int:
-    return len(rows["time"]) if rows else 0
+    return int(rows[TICK][-1]) + 1 if rows else 0
 
 
 def _rounding(one: Array, other: Array) -> float:

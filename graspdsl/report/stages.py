@@ -12,6 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.known import written
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import median
+from graspdsl.spec.keeping import ALL
 from graspdsl.trials.course import Stage, stages_of
 
 
@@ -46,10 +47,11 @@ class _Visit:
 
 
 def stage_summaries(evidence: Evidence) -> tuple[StageSummary, ...]:
-    """What there is to say of each stage; nothing of a program none of whose phases has more than one."""
+    """What there is to say of each stage; nothing of a program none of whose phases has more than one, nor where not
+    every tick is kept."""
     program = evidence.program
     controllers = [written(graph) for phase in program.phases for graph in phase.stages]
-    if len(controllers) == len(program.phases):
+    if len(controllers) == len(program.phases) or program.spec.trials.keep != ALL:
         return ()
     visits = [list(_visits(evidence, record.number)) for record in evidence.records]
     names = [_named(stage, len(program.phases)) for stage in stages_of(program)]

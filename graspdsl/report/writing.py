@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
+from graspdsl.trials.folders import unwritable
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.store import unwritable
 
 
 def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from graspdsl.places.fields import Count, Model, Number, fault
 from graspdsl.spec.distributions import Angle, Gap, Height, JointPlace, Length, Relative, outcomes_of
+from graspdsl.spec.keeping import ALL, Keep
 
 MOST_TRIALS = 100_000
 PARAMETERS: Mapping[str, str] = {  # the numbers of a start, with their units
@@ -105,6 +106,13 @@ class Trials(Model):
         max_length=6,
         description="lays numbers of 'start' on a grid, a trial a cell, those of the first axis side by side; trials "
         "past the last cell begin at the first again",
+    )
+
+    keep: Keep = Field(
+        default=ALL,
+        description="which ticks of trajectories are kept: all; the first and the last, the ends; none; every=10 for "
+        "every tenth and the last. What a trial measures does not depend on it",
+        examples=["every=10"],
     )
 
     @model_validator(mode="after")

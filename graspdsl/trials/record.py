@@ -10,8 +10,10 @@ from typing import Annotated, Any
 from pydantic import Field, FiniteFloat
 
 from graspdsl.arrays import Float32Array
+from graspdsl.spec.keeping import ALL
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.priorities import Disturbance
+from graspdsl.trials.trajectories import packed
 
 LARGEST_VALUE = 1e30  # of any SI unit: above what a simulation that blew up measures, below where squares overflow
 
@@ -100,3 +102,15 @@ class Trial:
 
     record: TrialRecord
     trajectory: Mapping[str, Float32Array]
+
+    def packed(self, keep: str = ALL) -> PackedTrial:
+        """The same as it is kept."""
+        return PackedTrial(self.record, packed(self.trajectory, keep))
+
+
+@dataclass(frozen=True, slots=True)
+class PackedTrial:
+    """A record with its trajectory as a pack holds it."""
+
+    record: TrialRecord
+    trajectory: bytes

@@ -30,11 +30,11 @@ from graspdsl.trials.identity import identities, other_origin, other_plugins, ve
 from graspdsl.trials.interruption import SIGNALS, interruption
 from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.record import Trial, TrialRecord
+from graspdsl.trials.record import PackedTrial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
 
-OnTrial = Callable[[Trial], object]
+OnRecord = Callable[[TrialRecord], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
@@ -89,7 +89,7 @@ def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]
 def execute(
     folder: RunFolder,
     workers: int | None = None,
-    on_trial: OnTrial | None = None,
+    on_record: OnRecord | None = None,
     finished: Sequence[TrialRecord] | None = None,
     on_drawing: OnDrawing | None = None,
 ) -> None:
@@ -132,8 +132,8 @@ def execute(
         with interruption.at_the_end(spend), closing(trials):
             for trial in trials:
                 folder.add(trial)
-                if on_trial is not None:
-                    on_trial(trial)
+                if on_record is not None:
+                    on_record(trial.record)
                 if trial.record.number < first and not trial.record.has_begun:
                     barren[trial.record.number] = trial.record
                 if len(barren) == first and program.spec.trials.grid is None:
@@ -173,7 +173,7 @@ def _differs(manifest: Manifest, program: Program) -> Diagnostic:
 
 Worker = multiprocessing.process.BaseProcess
 Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here what comes of them
-Answer = Trial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
+Answer = PackedTrial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
 
 
 def _work(pipe: Pipe, source: Source, seed: int) -> None:
@@ -185,7 +185,7 @@ def _work(pipe: Pipe, source: Source, seed: int) -> None:
             loop = trial_loop(program)
             while True:
                 for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
-                    pipe.send(trial)
+                    pipe.send(trial.packed(program.spec.trials.keep))
                 pipe.send(None)
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
@@ -205,14 +205,15 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[Trial, None, None]:
+def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[PackedTrial, None, None]:
     with answered_for(program.plugins):
-        yield from trial_loop(program).run_all(numbers, seed, tell)
+        for trial in trial_loop(program).run_all(numbers, seed, tell):
+            yield trial.packed(program.spec.trials.keep)
 
 
 def _elsewhere(
     folder: RunFolder, batches: Iterable[Sequence[int]], seed: int, workers: int, tell: OnDrawing
-) -> Generator[Trial, None, None]:
+) -> Generator[PackedTrial, None, None]:
     source, left = source_of(folder), iter(batches)
     crew: dict[Pipe, Worker] = {}
     waiting = 0  # batches given out that are not done

@@ -1,4 +1,9 @@
-"""The folder of a run: manifest, spec, a table row for each finished trial, trajectories."""
+"""The folder of a run: manifest, spec, a table with a row for each finished trial, packs of trajectories.
+
+The table is SQLite's, with one writer at a time. While a run is held, its table is in write-ahead mode, so that a trial
+is committed in a tenth of a millisecond and others may read meanwhile; after that it is one file again, which can be
+read where nothing can be written.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +13,10 @@ import os
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, TypeAdapter
 
@@ -20,14 +25,17 @@ from graspdsl.places.files import COPIES, RUN_MANIFEST, NamedFile, read_text
 from graspdsl.plugins.answering import answered_for
 from graspdsl.plugins.kinds import Plugin
 from graspdsl.spec.trials import MOST_TRIALS
+from graspdsl.trials.folders import LOCK, locked, unwritable
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.record import Duration, Trial, TrialRecord
+from graspdsl.trials.packs import DamagedPieceError, Packs, Piece, absent
+from graspdsl.trials.record import Duration, PackedTrial, TrialRecord
 from graspdsl.trials.rows import COLUMNS, record_of, row_of
-from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, read_trajectory, write_trajectory
+from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, unpacked
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
 FILES = COPIES  # of those that the spec names
-LOCK = "lock"
+LAYOUT = 2  # of a run's folder; the first had a file for each trajectory, and no number
+PIECES = "number INTEGER PRIMARY KEY, offset INTEGER, size INTEGER, checksum INTEGER"
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +78,9 @@ class RunFolder:
 
     def __init__(self, path: Path, manifest: Manifest, *, allow_code: bool = False) -> None:
         self.path, self.manifest, self.allow_code = path, manifest, allow_code
+        self.packs = Packs(path / TRAJECTORIES)
         self._held: os.stat_result | None = None
+        self._open: sqlite3.Connection | None = None  # while it is held
 
     @classmethod
     def create(
@@ -111,6 +121,8 @@ class RunFolder:
         (self.path / TABLE).touch()
         with self._table() as table:
             table.execute(f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))")
+            table.execute(f"CREATE TABLE trajectories ({PIECES})")
+            table.execute(f"PRAGMA user_version = {LAYOUT}")
         self._save_manifest(manifest)  # last of all, which makes it a run
 
     @classmethod
@@ -153,15 +165,22 @@ class RunFolder:
         with ExitStack() as stack:
             with self._writing():
                 stack.enter_context(locked(self.path))
-                for left in (*self.path.glob(f"{MANIFEST}.*new"), *(self.path / TRAJECTORIES).glob("*.new")):
+                for left in self.path.glob(f"{MANIFEST}.*new"):
                     left.unlink()
+                self.packs.cut(self.pieces())
                 self._held = (self.path / LOCK).stat()
-            try:
-                yield
-            finally:
-                self._held = None
+                stack.callback(self._let_go)
+            yield
 
-    def add(self, trial: Trial) -> None:
+    def _let_go(self) -> None:
+        """Make the table one file again, unless somebody reads it right now."""
+        table, self._open, self._held = self._open, None, None
+        if table is not None:
+            with closing(table), suppress(sqlite3.Error):
+                if (self.path / TABLE).is_file():
+                    table.execute("PRAGMA journal_mode = DELETE")
+
+    def add(self, trial: PackedTrial) -> None:
         """Keep a finished trial: the trajectory first, then its row, committed. Raises DiagnosticError if it cannot, or
         where a thing of another package says of it what could not be read again."""
         marks = ", ".join("?" for _ in COLUMNS)
@@ -170,33 +189,49 @@ class RunFolder:
             if self.manifest.plugins:
                 record_of(row)
         with self._writing():
-            self._save_trajectory(trial)
+            piece = self.packs.put(trial.record.number, trial.trajectory)
+            if self._held is not None and self._open is None:
+                self._open = self._connected()
+                self._open.execute("PRAGMA journal_mode = WAL")  # or as before where the file system knows no other
+                self._open.execute("PRAGMA synchronous = NORMAL")  # what was committed outlives its process
             with self._table() as table:
                 table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row)
+                table.execute("INSERT OR REPLACE INTO trajectories VALUES (?, ?, ?, ?)", piece)
 
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
+        return [self._record(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
+
+    def pieces(self) -> list[Piece]:
+        """Where the trajectories of its trials are."""
+        rows = self._read(f"SELECT {', '.join(Piece._fields)} FROM trajectories")
+        if any(type(value) is not int or value < 0 for row in rows for value in row):
+            raise self._damaged(TABLE, "a trajectory has no place")
+        return [Piece(*row) for row in rows]
+
+    def _read(self, statement: str) -> list[tuple[Any, ...]]:
         if not (self.path / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
         try:
             with self._table() as table:
-                rows = self._rows(table)
+                self._check_layout(table)
+                return table.execute(statement).fetchall()
         except sqlite3.Error as error:
             if getattr(error, "sqlite_errorcode", None) in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
                 message = f"another program holds this run's {TABLE}"
                 raise _refused("run-in-use", message, "try again when it has ended") from error
             raise self._damaged(TABLE, str(error)) from error
-        return [self._record(row) for row in rows]
 
-    def _rows(self, table: sqlite3.Connection) -> list[tuple[object, ...]]:
+    def _check_layout(self, table: sqlite3.Connection) -> None:
         known = {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")}
         if not known:
             raise self._damaged(TABLE, "there is no table of trials in it")
-        if known != set(COLUMNS):
-            differing = listed(sorted(known ^ set(COLUMNS)))
-            message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {differing}"
-            raise _refused("run-differs", message, "read it with the version that made it, or run its spec again")
-        return table.execute(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number").fetchall()
+        [(layout,)] = table.execute("PRAGMA user_version")
+        if layout == LAYOUT and known == set(COLUMNS):
+            return
+        differing = listed([*([] if layout == LAYOUT else ["its layout"]), *sorted(known ^ set(COLUMNS))])
+        message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {differing}"
+        raise _refused("run-differs", message, "read it with the version that made it, or run its spec again")
 
     def _record(self, row: Sequence[object]) -> TrialRecord:
         try:
@@ -209,30 +244,26 @@ class RunFolder:
         return record
 
     def finished(self) -> list[TrialRecord]:
-        """The trials that need not be run again: those in the table whose trajectories are whole."""
-        return [record for record in self.records() if self._is_whole(record.number)]
-
-    def _is_whole(self, number: int) -> bool:
-        try:
-            self.trajectory(number)
-        except DiagnosticError:
-            return False
-        return True
-
-    def trajectory_file(self, number: int) -> Path:
-        """Where the trajectory of a trial is."""
-        return self.path / TRAJECTORIES / f"{number}.npz"
+        """The trials that need not be run again: those in the table whose trajectories are as they were written, by
+        their checksums; nothing is unpacked."""
+        whole = {piece.number for piece in self.pieces() if self.packs.is_whole(piece)}
+        return [record for record in self.records() if record.number in whole]
 
     def trajectory(self, number: int, layout: Layout | None = None) -> Rows:
-        """The arrays of a trial's trajectory, one row a tick, as of :func:`read_trajectory`.
+        """The arrays of a trial's trajectory, a row a tick that is kept, as of :func:`unpacked`.
 
         Raises DiagnosticError when they cannot be read or do not fit the layout.
         """
-        file = self.trajectory_file(number)
+        found = (piece for piece in self.pieces() if piece.number == number)
+        return self.unpacked(next(found, absent(number)), layout)
+
+    def unpacked(self, piece: Piece, layout: Layout | None = None) -> Rows:
+        """As :meth:`trajectory`, from a place that is known."""
         try:
-            return read_trajectory(file, layout)
-        except DamagedTrajectoryError as error:
-            raise self._damaged(f"{TRAJECTORIES}/{file.name}", str(error)) from error
+            return unpacked(self.packs.content(piece), layout)
+        except (DamagedPieceError, DamagedTrajectoryError) as error:
+            name = f"{TRAJECTORIES}/{self.packs.file(piece.number).name}"
+            raise self._damaged(name, f"trial {piece.number}: {error}") from error
 
     def spend(self, wall_s: float) -> None:
         """Add to the wall time that the run has taken."""
@@ -240,12 +271,6 @@ class RunFolder:
         content = self.manifest.as_json()
         with self._writing():
             self._save_manifest(content)
-
-    def _save_trajectory(self, trial: Trial) -> None:
-        file = self.trajectory_file(trial.record.number)
-        file.parent.mkdir(exist_ok=True)
-        with _draft_of(file) as draft:
-            write_trajectory(draft, trial.trajectory)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -277,69 +302,17 @@ class RunFolder:
 
     @contextmanager
     def _table(self) -> Iterator[sqlite3.Connection]:
-        place = f"{(self.path / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
-        with closing(sqlite3.connect(place, uri=True)) as connection, connection:
+        """The table, for one transaction."""
+        if self._open is not None:
+            with self._open:
+                yield self._open
+            return
+        with closing(self._connected()) as connection, connection:
             yield connection
 
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Within, nobody else gets the lock of this folder: no other process, nor this one. Who only reads needs none.
-
-    The lock is SQLite's on an empty file, which stays: as good as that of a run's table on any file system and
-    platform, and gone with its process. Raises DiagnosticError where somebody else has it, or where there can be none.
-    """
-    with closing(_acquired(folder)):
-        yield
-
-
-def _acquired(folder: Path) -> sqlite3.Connection:
-    try:
-        lock = sqlite3.connect(folder / LOCK, timeout=0, isolation_level=None)
-        lock.execute("PRAGMA journal_mode = OFF")  # nothing is ever written
-        lock.execute("BEGIN EXCLUSIVE")
-    except sqlite3.Error as error:
-        if getattr(error, "sqlite_errorcode", None) != sqlite3.SQLITE_BUSY:
-            raise unwritable(error) from error
-        message = "another process is writing into this folder"
-        raise DiagnosticError([Diagnostic("folder-in-use", message, hint="try again when it has ended")]) from None
-    return lock
-
-
-def unwritable(error: OSError | sqlite3.Error) -> DiagnosticError:
-    """The complaint about a folder that cannot be written to."""
-    reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-    message = f"cannot write to this folder: {reason.lower()}"
-    return DiagnosticError([Diagnostic("folder-not-writable", message)])
-
-
-def made(folder: Path) -> Path:
-    """The folder, made if there is none. Raises DiagnosticError where it cannot be."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(error) from error
-    return folder
-
-
-def fresh_folder(parent: Path, name: str) -> Path:
-    """Makes an empty folder of this name and the next free number, ``parent/name-001``, that no other run gets.
-
-    Raises DiagnosticError where it cannot be made.
-    """
-    number = 1
-    try:
-        parent.mkdir(parents=True, exist_ok=True)
-        while True:
-            folder = parent / f"{name}-{number:03d}"
-            try:
-                folder.mkdir()
-            except FileExistsError:
-                number += 1
-            else:
-                return folder
-    except OSError as error:
-        raise unwritable(error) from error
+    def _connected(self) -> sqlite3.Connection:
+        place = f"{(self.path / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
+        return sqlite3.connect(place, uri=True)
 
 
 @contextmanager

@@ -1,24 +1,26 @@
-"""The file of a trial's trajectory: what is read comes out whole and fits its program, or the file is damaged."""
+"""How a trial's trajectory is kept: what is read comes out whole and fits its program, or it is damaged."""
 
 from __future__ import annotations
 
-import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from graspdsl.arrays import Float32Array
+from graspdsl.arrays import Array, Float32Array
 from graspdsl.compiler.program import Program
+from graspdsl.spec.keeping import ALL, kept
 from graspdsl.trials.priorities import CAUSES
 from graspdsl.worlds.protocol import PARTIES
 
-Rows = dict[str, Float32Array]  # one row a tick, by name; none where a trial ended before its first tick
+Rows = dict[str, Float32Array]  # a row a tick that is kept, by name; none where a trial ended before its first tick
 
 PACKING = 1  # of 9: half of the time of the usual 6, for files larger by a hundredth
+GZIP = 31  # as zlib has it
+TICK = "tick"
 
 CONTACTS, JOINTS, LEVELS = "contacts", "joints", "levels"  # axes, as long as there are of these
 _OF_LEVELS = "; NaN for those of other stages"
@@ -38,6 +40,7 @@ class Channel:
 
 _POINTS = (CONTACTS, 3)
 CHANNELS: Mapping[str, Channel] = {
+    TICK: Channel("the number of the tick, from 0: thinned trajectories have not all of them", "1", needed=True),
     "time": Channel("the world's time since the trial began", "s", needed=True),
     "phase": Channel("the phase of the program, from 0", "1", needed=True),
     "stage": Channel("the stage, from 0 over all phases: of 'a then b' each is one", "1", needed=True),
@@ -83,7 +86,7 @@ CHANNELS: Mapping[str, Channel] = {
 
 
 class DamagedTrajectoryError(Exception):
-    """A file that holds no whole trajectory, or that of another program; says why."""
+    """What is no whole trajectory, or that of another program; says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,33 +106,38 @@ class Layout:
         return cls(len(program.robot.contacts), joints, levels)
 
 
-def write_trajectory(path: Path, rows: Mapping[str, Float32Array]) -> None:
-    """Write the arrays of a trajectory, packed, into a file as numpy's savez_compressed does, but with as little effort
-    as packs numbers hardly less. Raises OSError."""
-    packed = BytesIO()
-    with zipfile.ZipFile(packed, "w") as archive:
-        for name, array in rows.items():
-            content = BytesIO()
-            np.lib.format.write_array(content, array, allow_pickle=False)
-            undated = zipfile.ZipInfo(f"{name}.npy")  # so that the same trial makes the same file
-            archive.writestr(undated, content.getvalue(), zipfile.ZIP_DEFLATED, PACKING)
-    path.write_bytes(packed.getbuffer())
+def packed(rows: Mapping[str, Float32Array], keep: str = ALL) -> bytes:
+    """A trajectory as a pack holds it: numpy's file of one array, a record a tick that is kept, in gzip; no bytes of
+    none. ``keep``: which ticks, as of :func:`~graspdsl.spec.keeping.kept`."""
+    ticks = kept(keep, len(rows["time"])) if rows else ()
+    if not len(ticks):
+        return b""
+    columns: dict[str, Array] = {TICK: np.arange(len(rows["time"]), dtype=np.float64), **rows}
+    table = np.empty(len(ticks), [(name, "<f4", values.shape[1:]) for name, values in columns.items()])
+    for name, values in columns.items():
+        table[name] = values[ticks]
+    content = BytesIO()
+    np.lib.format.write_array(content, table, allow_pickle=False)
+    return zlib.compress(content.getbuffer(), PACKING, wbits=GZIP)
 
 
-def read_trajectory(path: Path, layout: Layout | None = None) -> Rows:
-    """The arrays of a trajectory: all that reports and pictures need, equally long, of the shapes that the layout asks
-    for; without a layout the arrays themselves must agree.
+def unpacked(content: bytes, layout: Layout | None = None) -> Rows:
+    """The arrays of a trajectory, a row a tick that was kept: all that reports and pictures need, of the shapes that
+    the layout asks for; without a layout the arrays themselves must agree.
 
     Raises DamagedTrajectoryError for anything else.
     """
+    if not content:
+        return {}
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            rows = dict(archive)
-    except Exception as error:  # zipfile, its decompressors and numpy's reader of headers raise a dozen kinds
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise DamagedTrajectoryError(reason.lower() or type(error).__name__) from error
-    if rows:
-        _check(rows, layout)
+        table = np.load(BytesIO(zlib.decompress(content, wbits=GZIP)), allow_pickle=False)
+    except Exception as error:  # zlib and numpy's reader of headers raise a dozen kinds
+        raise DamagedTrajectoryError(str(error).lower() or type(error).__name__) from error
+    names = getattr(table.dtype, "names", None) or ()
+    if table.ndim != 1 or any(table.dtype[name].base != np.float32 for name in names):
+        raise DamagedTrajectoryError("it is no table of 32-bit numbers")
+    rows = {name: np.ascontiguousarray(table[name]) for name in names}
+    _check(rows, layout)
     return rows
 
 
@@ -138,8 +146,6 @@ def _check(rows: Mapping[str, Any], layout: Layout | None) -> None:
     missing = [name for name in needed if name not in rows]
     if missing:
         raise DamagedTrajectoryError(f"it has no {', '.join(missing)}")
-    if len({np.shape(values)[:1] for values in rows.values()}) != 1:
-        raise DamagedTrajectoryError("its arrays have not as many rows")
     levels = rows["observed_disturbance"].shape[-1]
     sizes = {CONTACTS: rows["touching"].shape[-1], JOINTS: rows["joints"].shape[-1], LEVELS: levels}
     if layout is not None:

@@ -346,7 +346,7 @@ def test_a_run_with_lost_trajectories_is_shown(run: g.Run, tmp_path: Path) -> No
     lost = g.open_run(lost.path)
     assert "4 of 4 trials converged" in _shown(lost)
     assert lost.columns()["outcome"].tolist() == ["converged"] * TRIALS
-    with pytest.raises(g.DiagnosticError, match=r"error\[run-damaged\]: .* trajectories/2\.npz"):
+    with pytest.raises(g.DiagnosticError, match=r"error\[run-damaged\]: .* trajectories/000000-000999\.npy\.gz"):
         lost.trajectory(2)
 
 

@@ -8,8 +8,10 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.text import Text
+from stored_runs import lose_trajectory
 from typer.testing import CliRunner
 
 from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
@@ -128,20 +130,21 @@ def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["row", "trajectory", "trajectory cut", "all trajectories"])
 def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun, tmp_path: Path) -> None:
-    file = copied / "trajectories" / "1.npz"
-    whole = file.read_bytes()
+    folder = RunFolder.open(copied)
+    file, whole = folder.packs.file(1), folder.trajectory(1)
     if loss == "row":
         _alter(copied, "DELETE FROM trials WHERE number = 1")
     elif loss == "trajectory":
-        file.unlink()
+        lose_trajectory(folder, 1)
     elif loss == "trajectory cut":
         _cut(file, 1000)
     else:
         shutil.rmtree(file.parent)
     answer = CliRunner().invoke(app, ["run", "--resume", "run", "--json", "--no-report"])
     assert answer.exit_code == 0
-    assert file.read_bytes() == whole
-    assert sorted(path.name for path in file.parent.iterdir()) == [f"{number}.npz" for number in range(TRIALS)]
+    again = RunFolder.open(copied).trajectory(1)
+    assert all(np.array_equal(again[name], rows, equal_nan=True) for name, rows in whole.items())
+    assert [path.name for path in file.parent.iterdir()] == ["000000-000999.npy.gz"]
     report = graspdsl("report", "run", "--json", cwd=tmp_path)
     assert numbers(json.loads(answer.stdout)) == numbers(json.loads(report.stdout)) == numbers(finished.document)
 

@@ -25,7 +25,7 @@ from graspdsl.trials.store import RunFolder
 pytestmark = pytest.mark.slow
 
 SPEC = ROOT / "specs" / "compare" / "moment_subject_to_force.yaml"
-FILES = ("run.json", "spec.yaml", "trials.sqlite", "trajectories/0.npz", "trajectories/1.npz")
+FILES = ("run.json", "spec.yaml", "trials.sqlite", "trajectories/000000-000999.npy.gz")
 GARBLED, SHOWN = 250, 6
 
 

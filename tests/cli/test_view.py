@@ -13,7 +13,7 @@ import trimesh
 from hands.models import URDF, changed, write
 from objects import parts
 from PIL import Image
-from stored_runs import stored_run
+from stored_runs import lose_trajectory, stored_run
 
 from graspdsl.hands.descriptions import robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
@@ -71,7 +71,7 @@ def test_a_frame_is_a_picture_or_nothing(folder: RunFolder, tmp_path: Path) -> N
     assert len(np.unique(np.asarray(picture.convert("L")))) > 20
     assert frame(folder, 7) is None
     lost = stored_run(tmp_path / "lost", SPEC, *QUICK[1:], "trials.count=1")
-    lost.trajectory_file(0).write_bytes(b"nothing")
+    lose_trajectory(lost, 0)
     assert frame(lost, 0) is None
 
 

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from cli.program import ROOT, begun, graspdsl, interrupt, numbers, stopped
 from graspdsl.cli.app import app
-from graspdsl.trials.store import RunFolder, locked
+from graspdsl.trials.folders import locked
+from graspdsl.trials.store import RunFolder
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +35,7 @@ def _out_of_room(size: int, place: Path, *words: str | Path) -> tuple[int | None
     return run.returncode, messages
 
 
-@pytest.mark.parametrize("size", [12_500, 20_000], ids=["no trajectory", "no more rows"])
+@pytest.mark.parametrize("size", [25_000, 45_000, 150_000], ids=["no trial", "few trials", "more trials"])
 def test_a_full_disk(size: int, tmp_path: Path) -> None:
     code, messages = _out_of_room(size, tmp_path, "run", FLOATING, "--trials", COUNT, "--out", "run")
     assert code == 1

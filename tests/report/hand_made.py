@@ -42,7 +42,7 @@ def evidence(experiment: int, trials: Sequence[HandMade], *overrides: str) -> Ev
     manifest = Manifest("by-hand", "spec.yaml", (), 1, len(trials), {"graspdsl": "0"})
     records = tuple(_record(number, trial) for number, trial in enumerate(trials))
     courses = {number: _course(trial) for number, trial in enumerate(trials)}
-    return Evidence(RunFolder(Path("by-hand"), manifest), program, records, courses)
+    return Evidence(RunFolder(Path("by-hand"), manifest), program, records, courses, frozenset())
 
 
 @cache

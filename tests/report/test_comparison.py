@@ -64,7 +64,7 @@ def test_a_known_ratio_is_found(composite: RunFolder, tmp_path: Path) -> None:
     """A run whose trials take three times as long has that ratio, and medians are numpy's."""
     slow = stored_run(tmp_path / "slow", SPECS / "moment_subject_to_force.yaml", "trials.count=12", begun=False)
     for record in composite.records():
-        slow.add(Trial(replace(record, world_s=3.0 * record.world_s), composite.trajectory(record.number)))
+        slow.add(Trial(replace(record, world_s=3.0 * record.world_s), composite.trajectory(record.number)).packed())
     numbers = comparison([composite, slow])
     assert numbers["against_first"][0]["ratios"]["world_s"]["value"] == pytest.approx(3.0)
     good = [record for record in composite.records() if record.outcome is Outcome.CONVERGED]
@@ -80,7 +80,7 @@ def test_a_ratio_without_an_upper_end_is_said_and_stored(composite: RunFolder, t
     costless = good[: (len(good) - 1) // 2]
     for record in composite.records():
         spent = 0.0 if record.number in costless else record.world_s
-        free.add(Trial(replace(record, world_s=spent), composite.trajectory(record.number)))
+        free.add(Trial(replace(record, world_s=spent), composite.trajectory(record.number)).packed())
     numbers = comparison([free, composite])
     ratio = json.loads(json.dumps(numbers, allow_nan=False))["against_first"][0]["ratios"]["world_s"]
     assert ratio["interval"][1] is None
@@ -136,7 +136,7 @@ def hand_run(folder: Path, composite: RunFolder, starts: list[dict[str, float]],
     pattern = composite.records()[0]
     for number, (start, converged) in enumerate(zip(starts, good, strict=True)):
         outcome = Outcome.CONVERGED if converged else Outcome.TIMEOUT
-        made.add(Trial(replace(pattern, number=number, start=start, outcome=outcome), composite.trajectory(0)))
+        made.add(Trial(replace(pattern, number=number, start=start, outcome=outcome), composite.trajectory(0)).packed())
     return made
 
 

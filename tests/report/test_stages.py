@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stored_runs import stored_run
+from stored_runs import lose_trajectory, stored_run
 
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import page as page_of
@@ -53,7 +53,7 @@ def test_a_run_without_stages_tells_of_none_but_of_what_is_known(tmp_path: Path)
 @pytest.mark.slow
 def test_trials_whose_trajectories_are_lost_are_said_to_be_left_out(tmp_path: Path) -> None:
     folder = stored_run(tmp_path / "run", SPECS / "cstar.yaml", "trials.count=3", "program.0.limit=2")
-    (folder.path / "trajectories" / "1.npz").unlink()
+    lose_trajectory(folder, 1)
     summary = summarised(evidence_of(folder))
     assert summary.lost == (1,)
     assert [stage.trials for stage in summary.stages] == [2, 2]

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stored_runs import lose_trajectory
 from trials.whole import whole_rows
 
 from graspdsl.arrays import Float32Array
@@ -65,7 +66,7 @@ def build(tmp_path: Path) -> Build:
         manifest = Manifest("a-run", "spec.yaml", overrides, 7, asked, {"graspdsl": "0"}, 2.5)
         folder = RunFolder.create(tmp_path / "the run", manifest, SPEC.read_text(encoding="utf-8"))
         for record in records:
-            folder.add(Trial(record, _trajectory(touching=record.outcome is not OUTCOMES["contact-lost"])))
+            folder.add(Trial(record, _trajectory(touching=record.outcome is not OUTCOMES["contact-lost"])).packed())
         return folder
 
     return built
@@ -107,7 +108,7 @@ def test_modes_are_of_trials_whose_contacts_touched_at_the_end(build: Build) -> 
     """A contact that was lost, or a trajectory that is, leaves a trial out of modes and of what is in contact."""
     lost = _record(2, outcome=OUTCOMES["contact-lost"], orientation_end=0.3, force_residual_end=0.9)
     folder = build(*(_record(number, orientation_end=1.5, force_residual_end=0.03) for number in (0, 1, 3)), lost)
-    folder.trajectory_file(3).unlink()
+    lose_trajectory(folder, 3)
     numbers = _numbers(folder)
     assert numbers["in_contact"]["end"] == [True, True, False, None]
     assert [mode["trials"] for mode in numbers["modes"]] == [[0, 1]]

@@ -12,7 +12,7 @@ import pytest
 from graspdsl.compiler.program import program_of
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.loop import together
-from graspdsl.trials.record import Trial
+from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.runner import AHEAD, WorkerEndedError, execute, new_run, program_of_run
 from graspdsl.trials.store import RunFolder
 
@@ -35,8 +35,8 @@ def _numbers(folder: RunFolder) -> list[str]:
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_what_fails_after_a_trial_leaves_it_kept(folder: RunFolder, workers: int) -> None:
-    def fail(trial: Trial) -> None:
-        raise KeyError(trial.record.number)
+    def fail(record: TrialRecord) -> None:
+        raise KeyError(record.number)
 
     with pytest.raises(KeyError):
         execute(folder, workers, fail)
@@ -49,7 +49,7 @@ def test_what_fails_after_a_trial_leaves_it_kept(folder: RunFolder, workers: int
 
 
 def test_a_killed_worker_ends_the_run_in_good_order(folder: RunFolder) -> None:
-    def kill(_: Trial) -> None:
+    def kill(_: TrialRecord) -> None:
         for worker in multiprocessing.active_children()[:1]:
             worker.kill()
 
@@ -95,7 +95,7 @@ def test_results_of_other_versions_are_not_mixed(folder: RunFolder) -> None:
     execute(folder, 1)
     table = folder.path / "trials.sqlite"
     record = dataclasses.replace(folder.records()[0], identity="of another version")
-    folder.add(Trial(record, folder.trajectory(0)))
+    folder.add(Trial(record, folder.trajectory(0)).packed())
     versions = {"graspdsl": "0.0.1", "numpy": "1"}
     folder.manifest = dataclasses.replace(folder.manifest, asked=COUNT, versions=versions)
     before = table.read_bytes()

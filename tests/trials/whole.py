@@ -19,4 +19,4 @@ def whole_rows(ticks: int, contacts: int = 3, joints: int = 10, levels: int = 2)
         "object_rotation": (3, 3),
     }
     zeros = {name: np.zeros((ticks, *shape), np.float32) for name, shape in shapes.items()}
-    return {"time": np.arange(ticks, dtype=np.float32) / 50, **zeros}
+    return {"tick": np.arange(ticks, dtype=np.float32), "time": np.arange(ticks, dtype=np.float32) / 50, **zeros}

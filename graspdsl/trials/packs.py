@@ -1,0 +1,99 @@
+"""Packs: files that the pieces of many trials are put into, one behind the other."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+EACH = 1000  # trials a pack
+SUFFIX = ".npy.gz"
+
+
+class Piece(NamedTuple):
+    """Where a trial's piece is in its pack: the number of the trial, the first byte, how many there are, and their
+    checksum (CRC-32)."""
+
+    number: int
+    offset: int
+    size: int
+    checksum: int
+
+
+def absent(number: int) -> Piece:
+    """The piece of a trial that has none, which cannot be read."""
+    return Piece(number, 0, -1, 0)
+
+
+class DamagedPieceError(Exception):
+    """A piece that is not as it was written; says why."""
+
+
+class Packs:
+    """The packs in a folder: of trials 0 to 999, 1000 to 1999 and so on. Pieces are only ever put behind others: what a
+    process that was killed has not put there whole is cut off by the next that writes."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def file(self, number: int) -> Path:
+        """The pack that a trial's piece is in."""
+        first = number // EACH * EACH
+        return self.folder / f"{first:06d}-{first + EACH - 1:06d}{SUFFIX}"
+
+    def put(self, number: int, content: bytes) -> Piece:
+        """Put a trial's piece behind those there are; nothing is written of an empty one. Raises OSError, and leaves no
+        part of it."""
+        if not content:
+            return Piece(number, 0, 0, 0)
+        self.folder.mkdir(exist_ok=True)
+        with self.file(number).open("ab", buffering=0) as pack:
+            offset = pack.seek(0, os.SEEK_END)
+            try:
+                left = memoryview(content)
+                while left:
+                    left = left[pack.write(left) :]
+            except BaseException:
+                pack.truncate(offset)
+                raise
+        return Piece(number, offset, len(content), zlib.crc32(content))
+
+    def content(self, piece: Piece) -> bytes:
+        """The bytes of a piece. Raises DamagedPieceError where they are not those that were put there."""
+        if piece == absent(piece.number):
+            raise DamagedPieceError("it is not among those that are kept")
+        if not piece.size:
+            return b""
+        try:
+            with self.file(piece.number).open("rb") as pack:
+                there = os.fstat(pack.fileno()).st_size - piece.offset >= piece.size
+                pack.seek(piece.offset if there else 0)
+                content = pack.read(piece.size if there else 0)
+        except OSError as error:
+            raise DamagedPieceError(str(error.strerror or error).lower()) from error
+        if not there:
+            raise DamagedPieceError("it ends too early")
+        if zlib.crc32(content) != piece.checksum:
+            raise DamagedPieceError("its checksum is not that of what was written")
+        return content
+
+    def is_whole(self, piece: Piece) -> bool:
+        """Whether a piece is as it was put there, of which nothing is unpacked."""
+        try:
+            self.content(piece)
+        except DamagedPieceError:
+            return False
+        return True
+
+    def cut(self, pieces: Iterable[Piece]) -> None:
+        """Cut off what is behind the last of the pieces there are. Raises OSError."""
+        ends = dict.fromkeys(self.folder.glob(f"*{SUFFIX}"), 0)
+        for piece in pieces:
+            pack = self.file(piece.number)
+            if pack in ends:
+                ends[pack] = max(ends[pack], piece.offset + piece.size)
+        for pack, end in ends.items():
+            if pack.stat().st_size > end:
+                os.truncate(pack, end)
