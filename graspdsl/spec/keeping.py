@@ -32,4 +32,5 @@ def kept(keep: str, ticks: int) -> Rows:
         return np.zeros(0, dtype=np.intp)
     every = _EVERY.fullmatch(keep)
     step = int(every[1]) if every else 1 if keep == ALL else ticks
-    return np.union1d(np.arange(0, ticks, step), ticks - 1)
+    found = np.arange(0, ticks, step)
+    return found if found[-1] == ticks - 1 else np.append(found, ticks - 1)

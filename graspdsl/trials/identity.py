@@ -71,7 +71,7 @@ def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
         return [Diagnostic("run-unchecked", message, severity=Severity.WARNING)]
     made = (manifest.versions, manifest.plugins), (here, program.plugins)
     known = [identities(program, manifest.seed, *by) for by in made]
-    if any(record.identity not in {of(record.number) for of in known} for record in folder.records()):
+    if any(identity not in {of(number) for of in known} for number, identity in folder.identities().items()):
         raise DiagnosticError([other_origin()])
     before, now = other_plugins(manifest.plugins, program.plugins)
     if now:

@@ -190,6 +190,8 @@ def _angles(exact: Mapping[str, Array]) -> Array:
     Tick by tick, for the arctangents of many numbers are rounded otherwise than those of few.
     """
     felt = exact["felt"] > 0.0
+    if not exact["sine"].any() and (exact["cosine"] >= 0.0).all():  # normals that are sensed as they are
+        return np.zeros(np.count_nonzero(felt))
     each = zip(exact["sine"], exact["cosine"], felt, strict=True)
     return np.concatenate([np.arctan2(sine[known], cosine[known]) for sine, cosine, known in each])
 
@@ -198,5 +200,7 @@ def _percentiles(values: Array) -> tuple[float, float]:
     """Median and 95th percentile; NaN of nothing."""
     if len(values) == 0:
         return math.nan, math.nan
+    if not values.any():
+        return 0.0, 0.0
     half, most = np.percentile(values, [50, 95])
     return float(half), float(most)

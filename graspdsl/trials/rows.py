@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, get_type_hints
@@ -23,6 +24,7 @@ _MAPPINGS = ("start", "quality")
 _PARTS = ("rejected", "priorities", "balance")
 _ANGLES = ("orientation_start", "orientation_end")
 _NUMBERS = ("contact_forces", "point_error", "normal_error")
+_LARGE = re.compile(r"[0-9.][eE]\+?[0-9]{2}|[0-9]{30}")
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
 
 
@@ -84,13 +86,23 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"].lower())))) from None
-    if any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
+    large = _may_be_large(row)
+    if large and any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
         raise ValueError("a value is too large to be measured")
     if any(not (math.isnan(angle) or 0.0 <= angle <= math.pi / 2) for angle in (values[name] for name in _ANGLES)):
         raise ValueError("an orientation is not between 0 and π/2")
-    if any(abs(value) == math.inf for value in _numbers_in(values["quality"])):
+    if large and any(abs(value) == math.inf for value in _numbers_in(values["quality"])):
         raise ValueError("a grade is infinite")
     return TrialRecord(**values)
+
+
+def _may_be_large(row: Sequence[object]) -> bool:
+    """Whether there can be a number beyond LARGEST_VALUE in a row, found without reading its texts number by number."""
+    return any(
+        _LARGE.search(value) is not None if isinstance(value, str) else abs(value) > LARGEST_VALUE
+        for value in row
+        if isinstance(value, str | float | int)
+    )
 
 
 def _stored(value: object) -> object:

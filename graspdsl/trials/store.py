@@ -202,6 +202,10 @@ class RunFolder:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
         return [self._record(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
 
+    def identities(self) -> dict[int, str]:
+        """The identities of the trials in the table, by number."""
+        return dict(self._read("SELECT number, identity FROM trials"))
+
     def pieces(self) -> list[Piece]:
         """Where the trajectories of its trials are."""
         rows = self._read(f"SELECT {', '.join(Piece._fields)} FROM trajectories")
