@@ -17,7 +17,7 @@ FORM = "form:"  # how the tags of alternative forms begin; they are no part of a
 class Model(BaseModel):
     """A frozen record of the spec that refuses unknown keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     meant_by: ClassVar[Mapping[str, str]] = {}  # the hint of an unknown key that says what a known one is about
 
