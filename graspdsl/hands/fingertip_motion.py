@@ -255,9 +255,12 @@ class FingertipMotion:
         """
         robot, largest = self._robot, 0.0
         weights, mount = np.array(robot.weights), np.isin(list(robot.joints), list(robot.mount.joints))
-        lower, upper = (np.array(limits) for limits in joint_limits(robot))
-        shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
-        for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
+        arms = np.zeros((1, len(weights)))
+        if robot.mount.base:
+            lower, upper = (np.array(limits) for limits in joint_limits(robot))
+            shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES, len(weights)))
+            arms = np.vstack([arms, lower + shares * (upper - lower)])
+        for arm in arms:
             jacobian = self.jacobians(np.where(mount, arm, self.closing(POSTURES)))[turning] * weights
             stacked = jacobian.reshape(POSTURES, -1, len(weights))
             largest = max(largest, float(np.linalg.norm(stacked, 2, axis=(-2, -1)).max()))

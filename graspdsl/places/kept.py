@@ -1,4 +1,4 @@
-"""What is made of the package's own files alone, kept beside its bytecode, and made anew as soon as one of them changes."""
+"""What is made of the package's own files alone, kept beside its bytecode, and made anew when one of them changes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def kept(name: str, version: str, make: Callable[[], T]) -> T:
 
 @cache
 def _files() -> tuple[tuple[str, int, int], ...]:
-    """The files that the package is made of, each with when it was changed and its size, as bytecode is told by them."""
+    """The files that the package is made of, each with the time of its last change and its size, as for bytecode."""
     return tuple(sorted(_files_in(str(PACKAGE))))
 
 

@@ -66,8 +66,8 @@ def attempted(failed: str, file: str = "") -> Iterator[None]:
 def fitting(group: str, value: Any, name: str, said: str) -> Any:
     """What a table holds of a class. Raises DiagnosticError where it is not what the kind asks for."""
     kind = KINDS[group]
-    base = kind.base
-    assert base is not None
+    assert kind.base is not None
+    base = kind.base()
     wanted = f"write a class from {base.__module__}.{base.__qualname__}"
     if not (isinstance(value, type) and issubclass(value, base)):
         raise refusal("plugin-unfit", f"{said} is no {base.__qualname__}: {shortened(repr(value))}", wanted)
@@ -165,7 +165,7 @@ def _defined_in(module: types.ModuleType, file: str) -> Iterator[tuple[Key, Any]
             continue
         for kind, known in KINDS.items():
             whole = not inspect.isabstract(value) or hasattr(value, known.named_by)
-            if known.base is not None and issubclass(value, known.base) and whole:
+            if known.base is not None and issubclass(value, known.base()) and whole:
                 name = spelt(kind, str(getattr(value, known.named_by, "")))
                 yield (kind, name), fitting(kind, value, name, f"{value.__name__} in {file}")
 
