@@ -7,6 +7,7 @@ there, so that nothing in the code knows the Barrett hand.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Annotated, Self, TypeVar
@@ -171,7 +172,8 @@ class Mount(Described):
     holds_at: Pose | None = None
 
 
-class Robot(Model):
+@dataclass(frozen=True)
+class Robot:
     """A hand on a mount: the joints of both in command order, mount first."""
 
     hand: Hand

@@ -15,8 +15,8 @@ from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
 from graspdsl.hands.descriptions import Robot, coupling_of, joint_limits
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape
-from graspdsl.models.model import FIXED, ROTATING
-from graspdsl.models.urdf_text import axis_of, pose_of
+from graspdsl.models.joint_kinds import FIXED, ROTATING
+from graspdsl.models.urdf_elements import axis_of, pose_of
 
 POSTURES, FINE = 9, 40  # from open to closed
 ARM_POSTURES = 16  # over the ranges of the joints of an arm

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import importlib
 import importlib.util
 import inspect
@@ -117,6 +116,8 @@ def place_of(offer: Offer) -> FilePath:
 
 def digest_of(offer: Offer, thing: Any) -> str:
     """A hash of the file of a class, or of a file or all files of a folder."""
+    import hashlib  # which loads OpenSSL
+
     if KINDS[offer.kind].read is not None:
         place = place_of(offer)
         inside = sorted(path for path in place.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
@@ -137,6 +138,8 @@ def enter(key: Key, thing: Any, plugin: Plugin) -> None:
 
 def things_in(name: str, content: bytes) -> tuple[str, dict[Key, Any], tuple[Diagnostic, ...]]:
     """The hash of a Python file, what it defines, and warnings. Raises DiagnosticError for what cannot be used."""
+    import hashlib
+
     digest = hashlib.sha256(content).hexdigest()[:16]
     if digest in OF_CODE:
         return digest, OF_CODE[digest], ()
