@@ -129,13 +129,13 @@ class Examination:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def known_names(*, grades: bool = True) -> Known:
-    """The worlds, mounts and, if they are asked for, grades that specs may name, with a line on each."""
+def known_names(document: Document | None = None) -> Known:
+    """The worlds, mounts and grades that specs may name, with a line on each; grades not for one that names none."""
     known = {
         "worlds": {name: world.about for name, world in WORLDS.items()},
         "mounts": {name: mount.about for name, mount in mounts().items()},
     }
-    if grades:
+    if document is None or document.has(("evaluate",)):
         from graspdsl.quality.grades import GRADES
 
         known["grades"] = {name: grade.about for name, grade in GRADES.items()}
@@ -164,7 +164,7 @@ def examine(
 
 def _judged(written: Written, adoption: Adoption, source: Source) -> Examination:
     folder = source.folder
-    reading = spec_of(written, known_names(grades=written.document.has(("evaluate",))))
+    reading = spec_of(written, known_names(written.document))
     spec, document = reading.spec, reading.document
     complaints = Complaints(document, spec.parameters)
     hand_files = SpecFolder(folder)
@@ -306,7 +306,7 @@ def _check_around(around: Surroundings, complaints: Complaints, adoption: Adopti
     written = around.written("π_close|Γ Γ", held=bool(around.held), displacement="sliding")
     of_spec = read_document(written, AROUND)
     named = adopted(of_spec.document, HERE)
-    found = spec_of(of_spec, known_names())
+    found = spec_of(of_spec, known_names(of_spec.document))
     declarations = replace(declarations_of(found.spec, found.document), senses_gravity=True)
     controllers = {**named.controllers, **adoption.controllers}
     check = _ProgramCheck(declarations, complaints, SpecFolder(HERE), controllers)

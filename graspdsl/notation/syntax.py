@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 TEXT = Path(__file__).with_name("grammar.lark")
 
-# Letters and digits of other alphabets are refused before a text comes here (alphabet.py): what Python takes for a letter
-# or a digit says as much as their list, and its regular expressions compile in a third of the time.
+# Letters and digits of other alphabets are refused before a text comes here (alphabet.py): what Python takes for them
+# says as much as the lists, and compiles in a third of the time.
 SHORTER = {"[A-Za-zΑ-Ωα-ω0-9]": r"[^\W_]", "[A-Za-zΑ-Ωα-ω]": r"[^\W\d_]"}
 
 Start = Literal["expression", "head", "resources"]
