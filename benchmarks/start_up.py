@@ -4,6 +4,7 @@ import of the light libraries that all of it rests on.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -41,9 +42,12 @@ def rows() -> Iterator[Row]:
 
 
 def started(code: str, *arguments: str) -> Callable[[], object]:
-    """A process that runs some code, from its start to its end."""
+    """A process that runs some code, from its start to its end, with bytecode as an installed package has it."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
 
     def run() -> object:
-        return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, check=True)
+        return subprocess.run(
+            [sys.executable, "-c", code, *arguments], capture_output=True, check=True, env=environment
+        )
 
     return run

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import enum
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.models import CommandInfo
 
 from graspdsl.cli.inputs import answering, judged, named, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
@@ -64,6 +66,17 @@ Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="
 def _with_backend(settings: list[str], backend: Evaluator | None) -> list[str]:
     """The settings, with that of a backend which has an option of its own."""
     return [*settings, *([f"control.backend={backend.value}"] if backend else [])]
+
+
+def only(words: Sequence[str]) -> None:
+    """Leave the command that the words begin with, if they begin with one: typer makes every command there is."""
+    named = [command for command in app.registered_commands if _name_of(command) in words]
+    if named:
+        app.registered_commands, app.registered_groups = named, []
+
+
+def _name_of(command: CommandInfo) -> str:
+    return command.name or getattr(command.callback, "__name__", "").replace("_", "-")
 
 
 def _version(wanted: bool) -> None:

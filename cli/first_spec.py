@@ -33,11 +33,12 @@ from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Hand, hands
 from graspdsl.hands.fingertip_motion import FingertipMotion
 from graspdsl.hands.first_spec import GRASP, FirstSpec, Phases, scene_lines, yaml_text
-from graspdsl.hands.hand_files import hand_in, names_a_file
+from graspdsl.hands.hand_files import hand_in
 from graspdsl.models.mesh_files import FORMATS
 from graspdsl.notation.names import canonical
 from graspdsl.objects.shapes import catalogue
 from graspdsl.places.files import SpecFolder
+from graspdsl.places.folders import names_a_file
 from graspdsl.places.wording import slug
 from graspdsl.plugins.adoption import adopted_all
 from graspdsl.plugins.kinds import KINDS, OF_OTHERS

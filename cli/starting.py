@@ -14,7 +14,7 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, known_
 from graspdsl.hands.guess import guessed_hand
 from graspdsl.hands.guess_file import hand_text, spec_text
 from graspdsl.hands.mount_guess import guessed_mount, mount_text
-from graspdsl.models.model import HINGES
+from graspdsl.models.joint_kinds import HINGES
 from graspdsl.places.wording import slug
 from graspdsl.report.writing import replace
 from graspdsl.worlds.kinds import rigid_bodies

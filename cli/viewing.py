@@ -19,11 +19,12 @@ from graspdsl.compiler.object_check import body_in
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Robot, hands, mounts, robot
-from graspdsl.hands.hand_files import hand_in, names_a_file
+from graspdsl.hands.hand_files import hand_in
 from graspdsl.hands.mount_check import taken_names
 from graspdsl.objects.object_files import Mesh
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.files import SpecFolder, read_text
+from graspdsl.places.folders import names_a_file
 from graspdsl.plugins.adoption import adopted_all
 from graspdsl.report.writing import replace
 from graspdsl.spec.scene import GRAVITY, InlineObject

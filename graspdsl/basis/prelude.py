@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as FilePath
 
-from pydantic import Field
+from pydantic import VERSION, Field
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.notation.parser import parse_expression, parse_head
@@ -15,6 +15,7 @@ from graspdsl.notation.tree import Expression, Head
 from graspdsl.places.document import Path, parse_document
 from graspdsl.places.fields import Model
 from graspdsl.places.files import read_text
+from graspdsl.places.kept import kept
 from graspdsl.places.validation import validate_document
 from graspdsl.spec.models import ControllerDefinition, ControllerEntry
 
@@ -45,7 +46,8 @@ class Definition:
 @cache
 def prelude() -> Mapping[str, Definition]:
     """The chapter's controllers by name."""
-    return definitions_in(FilePath(__file__).with_name("prelude.yaml"))
+    file = FilePath(__file__).with_name("prelude.yaml")
+    return kept("prelude", VERSION, lambda: definitions_in(file))
 
 
 class _File(Model):

@@ -30,7 +30,7 @@ from graspdsl.compiler.settings import Target, target_of
 from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.objects.mesh_files import SHORTEST
+from graspdsl.objects.shape import SHORTEST
 from graspdsl.objects.shapes import Body
 from graspdsl.places.document import Document, Path
 from graspdsl.spec.models import Spec

@@ -8,7 +8,6 @@ from pathlib import PurePosixPath
 
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.models.mesh_files import FORMATS
 from graspdsl.objects.object_files import DEFAULT_MASS, Warn, body_of_mesh, body_of_mjcf, body_of_urdf
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.objects.turned import posed
@@ -22,6 +21,8 @@ from graspdsl.worlds.kinds import WORLDS
 
 def file_hint(name: str, on_command_line: bool = False) -> str | None:
     """How the file that an object's name looks like is given as an object; None for any other name."""
+    from graspdsl.models.mesh_files import FORMATS
+
     suffix, known = PurePosixPath(name).suffix.lower(), (".urdf", ".xml", *FORMATS)
     if suffix not in known:
         return f"the file of an object is one of {', '.join(known)}" if suffix or "/" in name else None

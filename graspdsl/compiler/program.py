@@ -37,23 +37,19 @@ from graspdsl.diagnostics import (
     known_names_hint,
     likely,
 )
-from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Hand, Mount, Robot, hands, mounts, robot
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.hands.hand_files import hand_in, names_a_file
 from graspdsl.hands.mount_check import taken_names
-from graspdsl.hands.mount_files import mount_in
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_definition, parse_expression
 from graspdsl.notation.tree import Expression
 from graspdsl.objects.shapes import Body, catalogue
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import NamedFile, SpecFolder
-from graspdsl.places.folders import told_of
+from graspdsl.places.folders import names_a_file, told_of
 from graspdsl.plugins.adoption import Adoption, adopted, adopted_in
 from graspdsl.plugins.answering import answered_for
 from graspdsl.plugins.kinds import Plugin, is_built_in, with_offered
-from graspdsl.quality.grades import GRADES
 from graspdsl.spec.loading import Known, Reading, Written, load_spec_text, read_document, spec_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
@@ -133,13 +129,17 @@ class Examination:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def known_names() -> Known:
-    """The worlds, mounts and grades that specs may name, with a line on each."""
-    return {
+def known_names(document: Document | None = None) -> Known:
+    """The worlds, mounts and grades that specs may name, with a line on each; grades not for one that names none."""
+    known = {
         "worlds": {name: world.about for name, world in WORLDS.items()},
         "mounts": {name: mount.about for name, mount in mounts().items()},
-        "grades": {name: grade.about for name, grade in GRADES.items()},
     }
+    if document is None or document.has(("evaluate",)):
+        from graspdsl.quality.grades import GRADES
+
+        known["grades"] = {name: grade.about for name, grade in GRADES.items()}
+    return known
 
 
 def examine(
@@ -164,7 +164,7 @@ def examine(
 
 def _judged(written: Written, adoption: Adoption, source: Source) -> Examination:
     folder = source.folder
-    reading = spec_of(written, known_names())
+    reading = spec_of(written, known_names(written.document))
     spec, document = reading.spec, reading.document
     complaints = Complaints(document, spec.parameters)
     hand_files = SpecFolder(folder)
@@ -306,7 +306,7 @@ def _check_around(around: Surroundings, complaints: Complaints, adoption: Adopti
     written = around.written("π_close|Γ Γ", held=bool(around.held), displacement="sliding")
     of_spec = read_document(written, AROUND)
     named = adopted(of_spec.document, HERE)
-    found = spec_of(of_spec, known_names())
+    found = spec_of(of_spec, known_names(of_spec.document))
     declarations = replace(declarations_of(found.spec, found.document), senses_gravity=True)
     controllers = {**named.controllers, **adoption.controllers}
     check = _ProgramCheck(declarations, complaints, SpecFolder(HERE), controllers)
@@ -337,11 +337,15 @@ def program_of_expression(text: str, around: Surroundings = USUAL) -> Program:
 
 
 def _hand_of_file(files: SpecFolder, name: str) -> Read[Hand]:
+    from graspdsl.hands.hand_files import hand_in
+
     found = hand_in(files, name)
     return found.hand, found.warnings
 
 
 def _mount_of_file(files: SpecFolder, name: str) -> Read[Mount]:
+    from graspdsl.hands.mount_files import mount_in
+
     found = mount_in(files, name)
     return found.mount, found.warnings
 
@@ -400,6 +404,8 @@ class _ProgramCheck:
             return None
         if not names_a_file(name.text):
             return known[name.text] if self._named(path, name, known, str(path[-1])) else None
+        from graspdsl.hands.description_files import DescriptionFileError
+
         self._complaints.about(path)
         found: T | None = None
         faults: tuple[Diagnostic, ...] = ()

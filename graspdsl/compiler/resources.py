@@ -15,7 +15,6 @@ from graspdsl.notation.latex import plain
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import defines, parse_resource_definition
 from graspdsl.notation.printer import to_unicode
-from graspdsl.notation.slips import resource_slip
 from graspdsl.notation.tree import Name, Resource, Resources, ResourceSet, Virtual
 from graspdsl.places.document import Path
 
@@ -246,6 +245,8 @@ class ResourceTable:
         if declared is None and self._robot is None and name.text[:1] not in {"γ", "Γ"}:
             return None  # it may be a joint set of the hand that is not known
         if declared is None:
+            from graspdsl.notation.slips import resource_slip
+
             slip, known = resource_slip(name.text), self._declared.keys() | self._meant.keys()
             self._complaints.error(
                 "unknown-resource",
@@ -333,6 +334,8 @@ class ResourceTable:
 
     def _virtual(self, tree: Virtual) -> ContactResource | None:
         if len(tree.members) < 2:
+            from graspdsl.notation.slips import resource_slip
+
             empty = not tree.members
             meant = resource_slip(tree.members[0].text) if tree.members and isinstance(tree.members[0], Name) else None
             self._complaints.error(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from graspdsl.compiler.complaints import Complaints
 from graspdsl.compiler.declarations import Declarations
 from graspdsl.diagnostics import listed
@@ -9,14 +11,15 @@ from graspdsl.hands.descriptions import Robot, hands
 from graspdsl.objects.object_files import FILES
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.places.document import Document, Path
-from graspdsl.quality.grade import Grade
-from graspdsl.quality.grades import GRADES
 from graspdsl.spec.models import Spec
 from graspdsl.spec.scene import InlineObject
 from graspdsl.spec.sensing import Sensing
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, worlds_with, worlds_without
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS, sensor_for
+
+if TYPE_CHECKING:
+    from graspdsl.quality.grade import Grade
 
 HAND_STARTS = ("roll", "height", "standoff", "yaw", "offset", "tilt", "posture")
 START: Path = ("trials", "start")
@@ -175,6 +178,10 @@ class _Check:
 
     def _grades(self) -> list[tuple[int, Grade]]:
         """The known grades under ``evaluate``, each with its place there."""
+        if not self._spec.evaluate:
+            return []
+        from graspdsl.quality.grades import GRADES
+
         return [(place, GRADES[name]) for place, name in enumerate(self._spec.evaluate) if name in GRADES]
 
     def _evaluation(self) -> None:

@@ -15,8 +15,7 @@ from graspdsl.compiler.settings import different_trials
 from graspdsl.diagnostics import known_names_hint, likely
 from graspdsl.hands.descriptions import Hand, Robot, joint_limits
 from graspdsl.hands.fingertip_motion import FingertipMotion
-from graspdsl.objects.mesh_files import SHORTEST
-from graspdsl.objects.shape import convex_parts
+from graspdsl.objects.shape import SHORTEST, convex_parts
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import STANDING, fall_of, pose_at_rest
 from graspdsl.places.document import Document, Path

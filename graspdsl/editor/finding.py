@@ -12,11 +12,11 @@ from graspdsl.diagnostics import Span
 from graspdsl.editor.cursor import cursor_at
 from graspdsl.editor.names import CONTROLLER, definition_of, use_at
 from graspdsl.editor.sheet import Place, sheet_of
-from graspdsl.hands.hand_files import names_a_file
 from graspdsl.notation.names import canonical
 from graspdsl.notation.parser import parse_head
 from graspdsl.places.document import Document, Path, parse_document
 from graspdsl.places.files import read_text, with_plain_line_ends
+from graspdsl.places.folders import names_a_file
 
 PRELUDE = FilePath(prelude_room.__file__).with_name("prelude.yaml")
 START = Span(1, 1, 1, 1)

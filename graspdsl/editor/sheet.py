@@ -18,13 +18,14 @@ from graspdsl.compiler.resources import is_formula
 from graspdsl.diagnostics import DiagnosticError, SourceText, Span
 from graspdsl.hands.description_files import DescriptionFileError
 from graspdsl.hands.descriptions import Hand, Mount, Robot, hands, mounts
-from graspdsl.hands.hand_files import hand_in, names_a_file
+from graspdsl.hands.hand_files import hand_in
 from graspdsl.hands.mount_files import mount_in
 from graspdsl.notation.parser import parse_definition, parse_head, parse_resource_definition
 from graspdsl.notation.syntax import Start
 from graspdsl.notation.tree import Expression, Head, Resources
 from graspdsl.places.document import Document, Path
 from graspdsl.places.files import SpecFolder, with_plain_line_ends
+from graspdsl.places.folders import names_a_file
 from graspdsl.plugins.kinds import OF_OTHERS
 from graspdsl.spec.loading import read_document, spec_of
 from graspdsl.spec.models import Spec

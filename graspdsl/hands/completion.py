@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from graspdsl.hands.descriptions import Contact, Coupling, Hand
-from graspdsl.models.model import HINGES, Model
+from graspdsl.models.joint_kinds import HINGES
+from graspdsl.models.model import Model
 
 Posture = Mapping[str, float]
 

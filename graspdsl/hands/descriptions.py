@@ -6,20 +6,22 @@ there, so that nothing in the code knows the Barrett hand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Self, TypeVar
 from xml.etree import ElementTree
 
 import numpy as np
-from pydantic import AfterValidator, Field, PrivateAttr, model_validator
+from pydantic import VERSION, AfterValidator, Field, PrivateAttr, model_validator
 
 from graspdsl.angles import turned_by_angles
 from graspdsl.arrays import Array
 from graspdsl.hands.fingertips import Angles, CapsuleTip, Directed, EllipsoidTip, FingertipShape, Place, SphereTip
 from graspdsl.places.data_files import data_in
 from graspdsl.places.fields import Count, Metres, Model, Number, fault
+from graspdsl.places.kept import kept
 from graspdsl.spec.models import folder_name
 
 HERE = Path(__file__).parent
@@ -109,6 +111,9 @@ class Described(Model):
         return carrying
 
 
+D = TypeVar("D", bound=Described)
+
+
 class Hand(Described):
     """A hand description file. Without a ``urdf`` it is bare contacts, for the floating world."""
 
@@ -167,7 +172,8 @@ class Mount(Described):
     holds_at: Pose | None = None
 
 
-class Robot(Model):
+@dataclass(frozen=True)
+class Robot:
     """A hand on a mount: the joints of both in command order, mount first."""
 
     hand: Hand
@@ -214,23 +220,21 @@ def _model(file: str) -> str:
     return ElementTree.tostring(tree, encoding="unicode")
 
 
-def _catalogue(kind: str) -> Iterator[tuple[str, object]]:
-    for path in sorted(HERE.glob("*.yaml")):
-        document = data_in(path)
-        if kind in document:
-            yield document[kind], document
+def _catalogue(kind: str, model: type[D]) -> dict[str, D]:
+    documents = (data_in(path) for path in sorted(HERE.glob("*.yaml")))
+    return {document[kind]: model.model_validate(document) for document in documents if kind in document}
 
 
 @cache
 def hands() -> dict[str, Hand]:
     """The catalogue of hands, by name; those of ``hands_in`` can be added to it."""
-    return {name: Hand.model_validate(document) for name, document in _catalogue("hand")}
+    return kept("hands", VERSION, lambda: _catalogue("hand", Hand))
 
 
 @cache
 def mounts() -> dict[str, Mount]:
     """The catalogue of mounts, by name; those of ``mounts_in`` can be added to it."""
-    return {name: Mount.model_validate(document) for name, document in _catalogue("mount")}
+    return kept("mounts", VERSION, lambda: _catalogue("mount", Mount))
 
 
 def base_pose(mount: Mount) -> tuple[Array, Array]:

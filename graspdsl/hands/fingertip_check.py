@@ -11,7 +11,8 @@ from graspdsl.diagnostics import Diagnostic, Severity, listed
 from graspdsl.hands.completion import finger_of
 from graspdsl.hands.descriptions import Contact, Hand
 from graspdsl.hands.fingertips import directions_around, reach
-from graspdsl.models.model import FIXED, ROTATING, Link, Model, Solid
+from graspdsl.models.joint_kinds import FIXED, ROTATING
+from graspdsl.models.model import Link, Model, Solid
 from graspdsl.places.document import Document
 
 DIRECTIONS = 4000  # about 3 degrees apart

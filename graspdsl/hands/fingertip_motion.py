@@ -15,8 +15,8 @@ from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
 from graspdsl.hands.descriptions import Robot, coupling_of, joint_limits
 from graspdsl.hands.fingertips import CapsuleTip, EllipsoidTip, FingertipShape
-from graspdsl.models.model import FIXED, ROTATING
-from graspdsl.models.urdf_text import axis_of, pose_of
+from graspdsl.models.joint_kinds import FIXED, ROTATING
+from graspdsl.models.urdf_elements import axis_of, pose_of
 
 POSTURES, FINE = 9, 40  # from open to closed
 ARM_POSTURES = 16  # over the ranges of the joints of an arm
@@ -255,9 +255,12 @@ class FingertipMotion:
         """
         robot, largest = self._robot, 0.0
         weights, mount = np.array(robot.weights), np.isin(list(robot.joints), list(robot.mount.joints))
-        lower, upper = (np.array(limits) for limits in joint_limits(robot))
-        shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES if robot.mount.base else 0, len(weights)))
-        for arm in [np.zeros(len(weights)), *(lower + share * (upper - lower) for share in shares)]:
+        arms = np.zeros((1, len(weights)))
+        if robot.mount.base:
+            lower, upper = (np.array(limits) for limits in joint_limits(robot))
+            shares = np.random.default_rng(0).uniform(size=(ARM_POSTURES, len(weights)))
+            arms = np.vstack([arms, lower + shares * (upper - lower)])
+        for arm in arms:
             jacobian = self.jacobians(np.where(mount, arm, self.closing(POSTURES)))[turning] * weights
             stacked = jacobian.reshape(POSTURES, -1, len(weights))
             largest = max(largest, float(np.linalg.norm(stacked, 2, axis=(-2, -1)).max()))

@@ -8,7 +8,8 @@ import numpy as np
 
 from graspdsl.arrays import Array
 from graspdsl.hands.descriptions import UP, Coupling, Hand
-from graspdsl.models.model import FIXED, ROTATING, Frame, Joint, Link, Model
+from graspdsl.models.joint_kinds import FIXED, ROTATING
+from graspdsl.models.model import Frame, Joint, Link, Model
 
 ROUNDING = 1e-6  # rad or m
 SMALL = 0.05  # of the range of a coupled joint, or rad: how far beyond it is put down to rounded numbers

@@ -13,7 +13,8 @@ from graspdsl.hands.guess_fingers import Finger, fingers_of
 from graspdsl.hands.guess_fingertips import FittedTip, fitted_tips
 from graspdsl.hands.guess_grasp import GuessedGrasp, grasp_of
 from graspdsl.hands.guess_posture import PosedModel
-from graspdsl.models.model import FIXED, ROTATING, Model
+from graspdsl.models.joint_kinds import FIXED, ROTATING
+from graspdsl.models.model import Model
 
 SHORTEST = 0.02  # m: the shortest lever that a weight is made of
 

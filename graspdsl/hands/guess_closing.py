@@ -18,7 +18,8 @@ from graspdsl.arrays import Array, Flags
 from graspdsl.basis.algebra import cross
 from graspdsl.hands.guess_fingers import Finger, Fingers, distal
 from graspdsl.hands.guess_posture import PosedModel
-from graspdsl.models.model import ROTATING, Frame
+from graspdsl.models.joint_kinds import ROTATING
+from graspdsl.models.model import Frame
 
 GAP = 0.25  # of the length of a finger and of its way, between opposing tips at the pinch
 NEAR = 0.005  # m off the place of a tip that counts as much as the whole way of a joint

@@ -10,7 +10,8 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.hands.guess_posture import PosedModel
-from graspdsl.models.model import ROTATING, Frame
+from graspdsl.models.joint_kinds import ROTATING
+from graspdsl.models.model import Frame
 
 NARROWINGS = 6
 SHALLOWEST = 0.005  # m

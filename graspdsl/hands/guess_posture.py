@@ -10,7 +10,8 @@ import numpy as np
 from graspdsl.arrays import Array
 from graspdsl.basis.algebra import cross
 from graspdsl.basis.rotations import exponential
-from graspdsl.models.model import HERE, HINGES, ROTATING, Frame, Joint, Model, Solid
+from graspdsl.models.joint_kinds import HINGES, ROTATING
+from graspdsl.models.model import HERE, Frame, Joint, Model, Solid
 
 SAMPLES = 1500  # points of each solid
 ROUNDING = 1e-9  # rad or m

@@ -11,7 +11,8 @@ from graspdsl.diagnostics import Diagnostic, Severity, known_names_hint, likely,
 from graspdsl.hands.completion import finger_of, open_and_closed
 from graspdsl.hands.descriptions import ALL, MOUNTING, Contact, Coupling, Hand
 from graspdsl.hands.fitted import ROUNDING, coupled_range, is_slightly_beyond
-from graspdsl.models.model import CONTINUOUS, FIXED, HINGES, Model
+from graspdsl.models.joint_kinds import CONTINUOUS, FIXED, HINGES
+from graspdsl.models.model import Model
 from graspdsl.places.document import Document, Path
 from graspdsl.places.wording import shortened
 from graspdsl.spec.models import folder_name

@@ -16,7 +16,7 @@ from graspdsl.hands.put_on import put_on
 from graspdsl.models.urdf_text import urdf_text
 from graspdsl.places.document import Document
 from graspdsl.places.files import SpecFolder
-from graspdsl.places.folders import SUFFIXES, descriptions_in, told_of
+from graspdsl.places.folders import descriptions_in, told_of
 from graspdsl.places.validation import validate_document
 
 
@@ -26,11 +26,6 @@ class FoundHand:
 
     hand: Hand
     warnings: tuple[Diagnostic, ...] = ()
-
-
-def names_a_file(name: str) -> bool:
-    """Whether the name of a hand is that of a file."""
-    return name.endswith(SUFFIXES)
 
 
 def hand_in(files: SpecFolder, name: str) -> FoundHand:

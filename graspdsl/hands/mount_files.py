@@ -21,7 +21,8 @@ from graspdsl.hands.description_files import DescriptionFileError, described_in,
 from graspdsl.hands.descriptions import ALL, MOUNTING, Joint, Mount, base_pose
 from graspdsl.hands.mount_levers import weighed
 from graspdsl.hands.mount_model import carrying, frame_of
-from graspdsl.models.model import CONTINUOUS, HINGES, Frame, Model
+from graspdsl.models.joint_kinds import CONTINUOUS, HINGES
+from graspdsl.models.model import Frame, Model
 from graspdsl.places.document import Document
 from graspdsl.places.document import Path as Keys
 from graspdsl.places.files import SpecFolder

@@ -16,7 +16,8 @@ from graspdsl.hands.descriptions import Joint, Mount, Pose, Robot, hands
 from graspdsl.hands.mount_levers import BARE, SHARE, weighed
 from graspdsl.hands.mount_model import carrying, frame_of
 from graspdsl.hands.todo import TODO
-from graspdsl.models.model import FIXED, HERE, HINGES, Frame, Model
+from graspdsl.models.joint_kinds import FIXED, HINGES
+from graspdsl.models.model import HERE, Frame, Model
 
 FEWEST = 3  # joints of an arm: where fewer come before a fork, that is no hand but several arms
 ALONG = 1e-3  # (1): how far an axis may be off another that it counts as

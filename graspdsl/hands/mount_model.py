@@ -9,7 +9,8 @@ import numpy as np
 
 from graspdsl.angles import roll_pitch_yaw, turned_by_angles
 from graspdsl.hands.descriptions import Mount, Pose
-from graspdsl.models.model import CONTINUOUS, FIXED, HERE, REVOLUTE, Frame, Joint, Link, Model
+from graspdsl.models.joint_kinds import CONTINUOUS, FIXED, REVOLUTE
+from graspdsl.models.model import HERE, Frame, Joint, Link, Model
 from graspdsl.models.urdf_text import urdf_text
 
 TURN = 2.0 * math.pi  # rad either way, where a joint turns without end

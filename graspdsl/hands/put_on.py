@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from graspdsl.hands.descriptions import Hand
-from graspdsl.models.model import FIXED, HERE, Joint, Link, Model
+from graspdsl.models.joint_kinds import FIXED
+from graspdsl.models.model import HERE, Joint, Link, Model
 
 SHARE = 0.01  # of the mass of a link, for the fingertip on it
 RADIUS = 0.005  # m, of gyration of a fingertip

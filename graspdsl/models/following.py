@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from graspdsl.diagnostics import listed
+from graspdsl.models.joint_kinds import FIXED
 from graspdsl.models.loops import Led, led_by_loops
-from graspdsl.models.model import FIXED, Joint, Mimic
+from graspdsl.models.model import Joint, Mimic
 from graspdsl.models.source import Complaints, Prepared
 from graspdsl.models.strengths import pulled_joints
 

@@ -11,11 +11,9 @@ import numpy.typing as npt
 
 from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic
+from graspdsl.models.joint_kinds import FIXED, ROTATING
 
 UNSTATED_EFFORT = 50.0  # N or N m: the most that drives a joint whose model says nothing of it
-FIXED, REVOLUTE, CONTINUOUS, PRISMATIC = "fixed", "revolute", "continuous", "prismatic"
-ROTATING = (REVOLUTE, CONTINUOUS)
-HINGES = (*ROTATING, PRISMATIC)
 PORTION = 32  # directions in which all corners of a mesh are looked at together
 
 

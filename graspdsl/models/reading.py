@@ -15,19 +15,9 @@ from graspdsl.diagnostics import known_names_hint, listed
 from graspdsl.models.compiled import Compiled, compiled
 from graspdsl.models.following import followed
 from graspdsl.models.inertia import physical
+from graspdsl.models.joint_kinds import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from graspdsl.models.mjcf import mjcf_for_compiler
-from graspdsl.models.model import (
-    CONTINUOUS,
-    FIXED,
-    PRISMATIC,
-    REVOLUTE,
-    UNSTATED_EFFORT,
-    Frame,
-    Joint,
-    Link,
-    Model,
-    Solid,
-)
+from graspdsl.models.model import UNSTATED_EFFORT, Frame, Joint, Link, Model, Solid
 from graspdsl.models.source import Complaints, Prepared, check_numbers, prepared
 from graspdsl.models.strengths import efforts
 from graspdsl.models.urdf import moderate, urdf_for_compiler

@@ -8,8 +8,9 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from graspdsl.diagnostics import known_names_hint, listed
+from graspdsl.models.joint_kinds import CONTINUOUS, FIXED, HINGES, PRISMATIC
 from graspdsl.models.kinematic_tree import KinematicTree, TreeJoint
-from graspdsl.models.model import CONTINUOUS, FIXED, HINGES, PRISMATIC, Mimic
+from graspdsl.models.model import Mimic
 from graspdsl.models.source import Complaints, is_number
 from graspdsl.places.files import refusal
 from graspdsl.places.wording import shortened

@@ -1,4 +1,4 @@
-"""A model as the text of one URDF, which all that comes after reading uses; and what stands in its elements."""
+"""A model as the text of one URDF, which all that comes after reading uses."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from graspdsl.angles import roll_pitch_yaw, turned_by_angles
-from graspdsl.arrays import Array
-from graspdsl.models.model import CONTINUOUS, FIXED, Frame, Link, Model, Solid
+from graspdsl.angles import roll_pitch_yaw
+from graspdsl.models.joint_kinds import CONTINUOUS, FIXED
+from graspdsl.models.model import Frame, Link, Model, Solid
 
 BALL = Path(__file__).parent / "ball.obj"  # a ball of 1 m, for ellipsoids, which URDF does not have
 NO_LIMITS = (0.0, -1.0)  # an engine holds a joint at limits of 0 to 0
 VELOCITY = "10"  # rad/s or m/s, which nothing depends on
 MOMENTS = ((0, 0, "ixx"), (1, 1, "iyy"), (2, 2, "izz"), (0, 1, "ixy"), (0, 2, "ixz"), (1, 2, "iyz"))
-ORIGIN = {"xyz": "0 0 0", "rpy": "0 0 0"}
 
 
 def urdf_text(model: Model) -> str:
@@ -78,23 +77,3 @@ def _add_origin(element: ElementTree.Element, frame: Frame) -> None:
 
 def _text(numbers: Iterable[float]) -> str:
     return " ".join(repr(float(number) + 0.0) for number in numbers)
-
-
-def pose_of(element: ElementTree.Element) -> tuple[Array, Array]:
-    """The place (3,) [m] and the rotation (3, 3) of the <origin> in an element of such a text."""
-    origin = element.find("origin")
-    numbers = ORIGIN if origin is None else {**ORIGIN, **origin.attrib}
-    place, (roll, pitch, yaw) = (np.array(numbers[key].split(), dtype=float) for key in ORIGIN)
-    return place, turned_by_angles((roll, pitch, yaw))
-
-
-def axis_of(joint: ElementTree.Element) -> Array:
-    """The axis (3,) of a joint, in its own frame."""
-    axis = joint.find("axis")
-    return np.array(["1", "0", "0"] if axis is None else axis.get("xyz", "").split(), dtype=float)
-
-
-def mass_of(link: ElementTree.Element) -> float:
-    """The mass [kg] of a link, zero of one that says nothing of it."""
-    mass = link.find("inertial/mass")
-    return 0.0 if mass is None else float(mass.get("value", "0"))

@@ -10,13 +10,11 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, SourceText, in_rea
 from graspdsl.notation.alphabet import foreign_characters
 from graspdsl.notation.brackets import bracket_faults, outer_terms
 from graspdsl.notation.builder import Builder
-from graspdsl.notation.expectation import syntax_fault
 from graspdsl.notation.fault import Fault, Placed
 from graspdsl.notation.latex import reading_of
 from graspdsl.notation.operators import operator_faults
 from graspdsl.notation.printer import to_unicode
 from graspdsl.notation.reading import Reading
-from graspdsl.notation.situation import Situation
 from graspdsl.notation.syntax import Halt, Start, read
 from graspdsl.notation.tree import Expression, Head, Name, Resources, ResourceSet, Virtual
 
@@ -163,10 +161,17 @@ def _syntax(reading: Reading, start: Start) -> Tree[Token]:
         node = read(reading.text, start)
         if not isinstance(node, Halt):
             return node
-        faults = [syntax_fault(Situation.of(node, reading, start))]
+        faults = [_fault_of(node, reading, start)]
     if start == "expression" and not _outside(operators, brackets):
         faults += _faults_of_terms(reading, faults)
     raise _error(faults, reading)
+
+
+def _fault_of(halt: Halt, reading: Reading, start: Start) -> Fault:
+    from graspdsl.notation.expectation import syntax_fault
+    from graspdsl.notation.situation import Situation
+
+    return syntax_fault(Situation.of(halt, reading, start))
 
 
 def _limited(text: SourceText | str) -> SourceText:
@@ -192,7 +197,7 @@ def _faults_of_terms(reading: Reading, known: list[Fault]) -> list[Fault]:
             continue
         halt = read(term.text, "expression")
         if isinstance(halt, Halt):
-            faults.append(syntax_fault(Situation.of(halt, term, "expression")).shifted(begin))
+            faults.append(_fault_of(halt, term, "expression").shifted(begin))
     return faults
 
 

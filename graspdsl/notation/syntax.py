@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import functools
-import os
-import sys
-import zlib
-from contextlib import suppress
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
+
+from graspdsl.places.kept import kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,6 +17,10 @@ if TYPE_CHECKING:
     from lark.exceptions import UnexpectedInput
 
 TEXT = Path(__file__).with_name("grammar.lark")
+
+# Letters and digits of other alphabets are refused before a text comes here (alphabet.py): what Python takes for them
+# says as much as the lists, and compiles in a third of the time.
+SHORTER = {"[A-Za-zΑ-Ωα-ω0-9]": r"[^\W_]", "[A-Za-zΑ-Ωα-ω]": r"[^\W\d_]"}
 
 Start = Literal["expression", "head", "resources"]
 
@@ -47,31 +50,25 @@ class Halt:
 
 @functools.cache
 def grammar() -> Lark:
-    """The parser for grammar.lark, with the contextual lexer. Once made, it is kept as Python keeps its bytecode."""
+    """The parser for grammar.lark, with the contextual lexer."""
     # Importing Lark takes longer than importing the rest of the notation, and printing does not need it.
     from lark import Lark, __version__
 
-    text = TEXT.read_text(encoding="utf-8")
-    tag = f"{sys.implementation.cache_tag}-lark-{__version__}-{zlib.crc32(text.encode()):08x}"
-    kept = TEXT.parent / "__pycache__" / f"grammar.{tag}.pickle"
-    with suppress(Exception), kept.open("rb") as file:  # not there, or none that can be read: then it is made
-        return Lark.load(file)
-    made = Lark(
-        text,
-        parser="lalr",
-        lexer="contextual",
-        start=["expression", "head", "resources"],
-        propagate_positions=True,
-        maybe_placeholders=False,
-    )
-    if not sys.dont_write_bytecode:
-        with suppress(OSError):  # nobody may write there
-            kept.parent.mkdir(exist_ok=True)
-            own = kept.with_suffix(f".{os.getpid()}")
-            with own.open("wb") as file:
-                made.save(file)
-            own.replace(kept)
-    return made
+    def tables() -> bytes:
+        made, text = io.BytesIO(), TEXT.read_text(encoding="utf-8")
+        for listed, short in SHORTER.items():
+            text = text.replace(listed, short)
+        Lark(
+            text,
+            parser="lalr",
+            lexer="contextual",
+            start=["expression", "head", "resources"],
+            propagate_positions=True,
+            maybe_placeholders=False,
+        ).save(made)
+        return made.getvalue()
+
+    return Lark.load(io.BytesIO(kept("grammar", __version__, tables)))
 
 
 def read(folded: str, start: Start) -> Tree[Token] | Halt:

@@ -11,6 +11,7 @@ from graspdsl.arrays import Array
 from graspdsl.diagnostics import Diagnostic, Severity
 from graspdsl.models.mesh_files import triangles
 from graspdsl.objects.shading import Faces
+from graspdsl.objects.shape import LONGEST, SHORTEST
 from graspdsl.objects.surfaces.mesh import unit_sphere
 from graspdsl.objects.triangles import TriangleMesh, enclosed
 from graspdsl.places.files import refusal
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 CLEARLY_HOLLOW = 1.05  # the volume of the hull over that of the mesh
 FLAT = 1e-6  # the volume of the hull over the cube of its length
-LONGEST, SHORTEST = 2.0, 0.005  # m, as for the shapes that a spec describes
 SPECK = 1e-4  # m
 MOST_LENGTH = 1e6  # m
 HULL_DIRECTIONS = 32  # for each half turn; a hull with more corners than directions is thinned out

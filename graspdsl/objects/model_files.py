@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from graspdsl.angles import roll_pitch_yaw
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity
-from graspdsl.models.model import FIXED, HERE, Frame, Model, Solid
+from graspdsl.models.joint_kinds import FIXED
+from graspdsl.models.model import HERE, Frame, Model, Solid
 from graspdsl.models.reading import model_in
 from graspdsl.objects.box import Box
 from graspdsl.objects.capsule import Capsule

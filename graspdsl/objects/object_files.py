@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model, model_validator
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
-from graspdsl.objects.mesh_files import mesh_of_file
-from graspdsl.objects.model_files import ModelObject, object_of_mjcf, object_of_urdf
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES, Body
 from graspdsl.objects.turned import ObjectPose, posed
@@ -20,6 +18,9 @@ from graspdsl.places.fields import Kilograms, Model, Number, fault, form, forms
 from graspdsl.places.files import SpecFolder, read_text
 from graspdsl.places.folders import SUFFIXES, told_of
 from graspdsl.places.validation import validate_document
+
+if TYPE_CHECKING:
+    from graspdsl.objects.model_files import ModelObject
 
 DEFAULT_MASS = 0.5  # kg
 FILES = ("mesh", "urdf", "mjcf")
@@ -58,6 +59,8 @@ def body_of_mesh(mesh: Mesh, mass: float | None, name: str | None, folder: SpecF
 
     Raises DiagnosticError when the file cannot be read or holds no solid; what is odd about it goes to ``warn``.
     """
+    from graspdsl.objects.mesh_files import mesh_of_file
+
     shape = mesh_of_file(mesh.file, folder.read(mesh.file), mesh.scale, mesh.convex, warn)
     mass = mass or (DEFAULT_MASS if mesh.density is None else mesh.density * shape.solid.volume)
     return Body(name or PurePath(mesh.file).stem, shape, mass, digest=folder.digest)
@@ -92,6 +95,8 @@ def body_of_urdf(file: str, mass: float | None, name: str | None, folder: SpecFo
 
     Raises DiagnosticError when the file cannot be read or holds no rigid body; what is odd about it goes to ``warn``.
     """
+    from graspdsl.objects.model_files import object_of_urdf
+
     return _body(object_of_urdf(file, folder, warn), mass, name or PurePath(file).stem, folder)
 
 
@@ -100,6 +105,8 @@ def body_of_mjcf(choice: str | MjcfBody, mass: float | None, name: str | None, f
 
     Raises DiagnosticError when the file cannot be read or holds no rigid body; what is odd about it goes to ``warn``.
     """
+    from graspdsl.objects.model_files import object_of_mjcf
+
     file, body = (choice, None) if isinstance(choice, str) else (choice.file, choice.body)
     return _body(object_of_mjcf(file, body, folder, warn), mass, name or body or PurePath(file).stem, folder)
 

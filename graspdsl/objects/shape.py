@@ -19,7 +19,8 @@ from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.places.fields import Metres, Model, exactly
 
 Extent = tuple[float, float, float]
-Size = Annotated[Metres, Field(ge=0.005, le=2.0)]
+LONGEST, SHORTEST = 2.0, 0.005  # m
+Size = Annotated[Metres, Field(ge=SHORTEST, le=LONGEST)]
 Sizes = Annotated[tuple[Size, Size, Size], exactly(3, "[x, y, z]: three lengths (m)")]
 Rounding = Annotated[Metres, Field(gt=0.0, le=1.0)]
 CLEARLY_LONGER = 1.05

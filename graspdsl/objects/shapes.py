@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from pydantic import VERSION
+
 from graspdsl.objects.bottle import Bottle
 from graspdsl.objects.box import Box
 from graspdsl.objects.compound import Loft, Placed, standing
@@ -17,6 +19,7 @@ from graspdsl.objects.shape import DescribedShape, Extent, Shape
 from graspdsl.objects.sphere import Sphere
 from graspdsl.objects.superquadric import Superquadric
 from graspdsl.places.data_files import data_in
+from graspdsl.places.kept import kept
 
 SHAPES: dict[str, type[DescribedShape]] = {
     "cylinder": Cylinder,
@@ -70,6 +73,10 @@ def _size(size: Sequence[float]) -> Extent:
 @cache
 def catalogue() -> dict[str, Body]:
     """The objects that a spec can name; those of ``objects_in`` can be added to it."""
+    return kept("objects", VERSION, _described)
+
+
+def _described() -> dict[str, Body]:
     entries = data_in(Path(__file__).with_name("catalogue.yaml"))
     return {
         name: Body(name, shape_from(entry), float(entry["mass"]), entry.get("about", ""))

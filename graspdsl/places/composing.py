@@ -40,8 +40,8 @@ MOST_FAULTS = 20
 # Control characters, other line ends than \n, halves of surrogate pairs and the like; then what is nowhere seen: soft
 # hyphens, marks of direction, widths of zero and byte order marks. What joins letters of some scripts may stand.
 _FORBIDDEN = re.compile(
-    "[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
-    "|[\xad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180e\u200b\u202a-\u202e\u2060-\u206f\u3164\ufeff\uffa0]"
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff"
+    "\xad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180e\u200b\u202a-\u202e\u2060-\u206f\u3164\ufeff\uffa0]"
 )
 _LINE_ENDS = "\x0b\x0c\x85\u2028\u2029"
 

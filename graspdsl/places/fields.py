@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationInfo
 from pydantic_core import PydanticCustomError, PydanticKnownError
@@ -17,9 +17,14 @@ FORM = "form:"  # how the tags of alternative forms begin; they are no part of a
 class Model(BaseModel):
     """A frozen record of the spec that refuses unknown keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     meant_by: ClassVar[Mapping[str, str]] = {}  # the hint of an unknown key that says what a known one is about
+
+    @classmethod
+    def usual(cls) -> Self:
+        """The record of which nothing is said; made without its validator, which takes its time to build."""
+        return cls.model_construct()
 
 
 @dataclass(frozen=True, slots=True)

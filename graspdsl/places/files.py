@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import hashlib
 import os
 import stat
 from collections.abc import Sequence
@@ -163,6 +162,8 @@ def folder_of_files(spec: Path) -> Path:
 
 def digest_of(files: Sequence[NamedFile]) -> str:
     """A hash of the contents of files."""
+    import hashlib  # which loads OpenSSL
+
     each = "".join(hashlib.sha256(file.content).hexdigest() for file in files)
     return hashlib.sha256(each.encode()).hexdigest()
 

@@ -16,6 +16,11 @@ HAND_FILE = re.compile(r"(?:[^\S\n]*(?:#[^\n]*)?\n)*hand\s*:")  # the beginning 
 MOUNT_FILE = re.compile(HAND_FILE.pattern.replace("hand", "mount"))
 
 
+def names_a_file(name: str) -> bool:
+    """Whether the name of a hand or of a mount is that of a file."""
+    return name.endswith(SUFFIXES)
+
+
 def descriptions_in(place: Path, kind: str) -> list[Path]:
     """The file of this name, or those of a folder that describe a kind of thing: YAML files with it for a key.
 

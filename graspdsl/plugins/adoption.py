@@ -14,13 +14,12 @@ from pydantic import TypeAdapter
 
 from graspdsl.basis.prelude import Definition
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, SourceText, Span, listed
-from graspdsl.hands.hand_files import names_a_file
 from graspdsl.notation.latex import reading_of
 from graspdsl.objects.object_files import FILES
 from graspdsl.objects.shapes import SHAPES
 from graspdsl.places.document import Document, Path, parse_document
 from graspdsl.places.files import COPIES, RUN_MANIFEST, NamedFile, SpecFolder, read_text, refusal
-from graspdsl.places.folders import SUFFIXES
+from graspdsl.places.folders import SUFFIXES, names_a_file
 from graspdsl.plugins.kinds import (
     BROUGHT,
     KINDS,

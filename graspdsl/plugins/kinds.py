@@ -8,23 +8,19 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path as FilePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from graspdsl.basis.effectors import EFFECTORS, Effector
 from graspdsl.basis.potentials import POTENTIALS, Potential
 from graspdsl.basis.prelude import Definition, definitions_in, prelude
 from graspdsl.basis.sensors import SENSORS, Sensor
 from graspdsl.hands.descriptions import hands, mounts
-from graspdsl.hands.hand_files import hands_in
-from graspdsl.hands.mount_files import mounts_in
 from graspdsl.notation.latex import plain
 from graspdsl.notation.names import canonical
 from graspdsl.notation.printer import to_unicode
 from graspdsl.objects.object_files import objects_in
 from graspdsl.objects.shape import DescribedShape
 from graspdsl.objects.shapes import SHAPES, catalogue
-from graspdsl.quality.grade import Grade
-from graspdsl.quality.grades import GRADES
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MONITORS, add_monitor
 from graspdsl.spec.scene import InlineObject, Scene, add_shape
@@ -34,6 +30,10 @@ from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS
 from graspdsl.worlds.touch.fingertip_sensor import FingertipSensor
 from graspdsl.worlds.touch.sensors import TACTILE_SENSORS
+
+if TYPE_CHECKING:
+    from graspdsl.hands.descriptions import Hand, Mount
+    from graspdsl.quality.grade import Grade
 
 Key = tuple[str, str]  # a kind, and a name of it
 
@@ -82,15 +82,15 @@ class Kind:
     """A kind of things that other packages may offer.
 
     ``what``: one of them, for messages; ``table``: those there are; ``enter``: how one more gets there. Of code,
-    ``base`` is the class that it is written from, ``named_by`` the attribute with its name, and ``makes`` says whether
-    the table holds instances. Of data, ``read`` gives those that a file or a folder has. ``needs``: other things that
-    one of them is nothing without.
+    ``base`` gives the class that it is written from, ``named_by`` the attribute with its name, and ``makes`` says
+    whether the table holds instances. Of data, ``read`` gives those that a file or a folder has. ``needs``: other
+    things that one of them is nothing without.
     """
 
     what: str
     table: Callable[[], Mapping[str, Any]]
     enter: Callable[[str, Any], None]
-    base: type | None = None
+    base: Callable[[], type] | None = None
     named_by: str = "name"
     makes: bool = True
     read: Callable[[FilePath, str], Mapping[str, Any]] | None = None
@@ -118,10 +118,41 @@ def _transforms(potential: Potential) -> Iterator[Key]:
         yield "effectors", name
 
 
+# What most specs have no use for is imported when it is asked for.
+
+
+def _grades() -> dict[str, Grade]:
+    from graspdsl.quality.grades import GRADES
+
+    return GRADES
+
+
+def _grade() -> type[Grade]:
+    from graspdsl.quality.grade import Grade
+
+    return Grade
+
+
+def _hands_in(place: FilePath, by: str) -> Mapping[str, Hand]:
+    from graspdsl.hands.hand_files import hands_in
+
+    del by
+    return hands_in(place)
+
+
+def _mounts_in(place: FilePath, by: str) -> Mapping[str, Mount]:
+    from graspdsl.hands.mount_files import mounts_in
+
+    del by
+    return mounts_in(place)
+
+
 KINDS: Mapping[str, Kind] = {
-    "potentials": Kind("potential", lambda: POTENTIALS, POTENTIALS.__setitem__, Potential, "symbol", needs=_transforms),
-    "sensors": Kind("sensor transform", lambda: SENSORS, SENSORS.__setitem__, Sensor, "symbol"),
-    "effectors": Kind("effector transform", lambda: EFFECTORS, EFFECTORS.__setitem__, Effector, "symbol"),
+    "potentials": Kind(
+        "potential", lambda: POTENTIALS, POTENTIALS.__setitem__, lambda: Potential, "symbol", needs=_transforms
+    ),
+    "sensors": Kind("sensor transform", lambda: SENSORS, SENSORS.__setitem__, lambda: Sensor, "symbol"),
+    "effectors": Kind("effector transform", lambda: EFFECTORS, EFFECTORS.__setitem__, lambda: Effector, "symbol"),
     "controllers": Kind(
         "controller",
         lambda: {**prelude(), **OF_OTHERS},
@@ -133,17 +164,22 @@ KINDS: Mapping[str, Kind] = {
         "world",
         lambda: WORLDS,
         WORLDS.__setitem__,
-        WorldKind,
+        lambda: WorldKind,
         needs=lambda world: (("touch", name) for name in world.senses),
     ),
-    "touch": Kind("tactile sensor", lambda: TACTILE_SENSORS, _enter_touch, FingertipSensor, makes=False),
-    "shapes": Kind("shape", lambda: SHAPES, _enter_shape, DescribedShape, makes=False),
-    "mounts": Kind("mount", mounts, lambda name, mount: mounts().update({name: mount}), read=lambda p, _: mounts_in(p)),
+    "touch": Kind("tactile sensor", lambda: TACTILE_SENSORS, _enter_touch, lambda: FingertipSensor, makes=False),
+    "shapes": Kind("shape", lambda: SHAPES, _enter_shape, lambda: DescribedShape, makes=False),
+    "mounts": Kind("mount", mounts, lambda name, mount: mounts().update({name: mount}), read=_mounts_in),
     "monitors": Kind(
-        "monitor", lambda: MONITORS, lambda _, monitor: add_monitor(monitor, (Spec,)), Monitor, "key", makes=False
+        "monitor",
+        lambda: MONITORS,
+        lambda _, monitor: add_monitor(monitor, (Spec,)),
+        lambda: Monitor,
+        "key",
+        makes=False,
     ),
-    "grades": Kind("grade", lambda: GRADES, GRADES.__setitem__, Grade),
-    "hands": Kind("hand", hands, lambda name, hand: hands().update({name: hand}), read=lambda p, _: hands_in(p)),
+    "grades": Kind("grade", _grades, lambda name, grade: _grades().update({name: grade}), _grade),
+    "hands": Kind("hand", hands, lambda name, hand: hands().update({name: hand}), read=_hands_in),
     "objects": Kind(
         "object", catalogue, lambda name, body: catalogue().update({name: body}), read=lambda p, _: objects_in(p)
     ),

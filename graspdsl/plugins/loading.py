@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import importlib
 import importlib.util
 import inspect
@@ -66,8 +65,8 @@ def attempted(failed: str, file: str = "") -> Iterator[None]:
 def fitting(group: str, value: Any, name: str, said: str) -> Any:
     """What a table holds of a class. Raises DiagnosticError where it is not what the kind asks for."""
     kind = KINDS[group]
-    base = kind.base
-    assert base is not None
+    assert kind.base is not None
+    base = kind.base()
     wanted = f"write a class from {base.__module__}.{base.__qualname__}"
     if not (isinstance(value, type) and issubclass(value, base)):
         raise refusal("plugin-unfit", f"{said} is no {base.__qualname__}: {shortened(repr(value))}", wanted)
@@ -117,6 +116,8 @@ def place_of(offer: Offer) -> FilePath:
 
 def digest_of(offer: Offer, thing: Any) -> str:
     """A hash of the file of a class, or of a file or all files of a folder."""
+    import hashlib  # which loads OpenSSL
+
     if KINDS[offer.kind].read is not None:
         place = place_of(offer)
         inside = sorted(path for path in place.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
@@ -137,6 +138,8 @@ def enter(key: Key, thing: Any, plugin: Plugin) -> None:
 
 def things_in(name: str, content: bytes) -> tuple[str, dict[Key, Any], tuple[Diagnostic, ...]]:
     """The hash of a Python file, what it defines, and warnings. Raises DiagnosticError for what cannot be used."""
+    import hashlib
+
     digest = hashlib.sha256(content).hexdigest()[:16]
     if digest in OF_CODE:
         return digest, OF_CODE[digest], ()
@@ -165,7 +168,7 @@ def _defined_in(module: types.ModuleType, file: str) -> Iterator[tuple[Key, Any]
             continue
         for kind, known in KINDS.items():
             whole = not inspect.isabstract(value) or hasattr(value, known.named_by)
-            if known.base is not None and issubclass(value, known.base) and whole:
+            if known.base is not None and issubclass(value, known.base()) and whole:
                 name = spelt(kind, str(getattr(value, known.named_by, "")))
                 yield (kind, name), fitting(kind, value, name, f"{value.__name__} in {file}")
 

@@ -14,8 +14,6 @@ from graspdsl.hands.descriptions import Hand, Joint, Mount, Robot, hands, joint_
 from graspdsl.notation.printer import to_ascii, to_unicode
 from graspdsl.objects.shapes import SHAPES, catalogue
 from graspdsl.plugins.kinds import OF_OTHERS, brought_by
-from graspdsl.quality.grades import GRADES
-from graspdsl.reference import diagnostics, grammar
 from graspdsl.reference.keys import Key, parts
 from graspdsl.spec.monitors import MONITORS, OUTCOMES
 from graspdsl.spec.shipped import shipped_specs
@@ -237,6 +235,8 @@ def _touch() -> Rows:
 
 
 def _grades() -> Rows:
+    from graspdsl.quality.grades import GRADES
+
     return [
         _named("grades", name, about=grade.about, definition=" ".join(grade.definition.split()))
         for name, grade in GRADES.items()
@@ -295,10 +295,14 @@ def _conditions() -> Rows:
 
 
 def _grammar() -> Rows:
+    from graspdsl.reference import grammar
+
     return [{"rule": rule.name, "is": rule.ebnf, "about": rule.about} for rule in grammar.rules()]
 
 
 def _diagnostics() -> Rows:
+    from graspdsl.reference import diagnostics
+
     shown = [
         {
             "code": example.code,

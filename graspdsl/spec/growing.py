@@ -55,9 +55,16 @@ def _make_anew(models: Sequence[type[BaseModel]]) -> None:
     for model in models:
         model.model_rebuild(force=True)
     adapter.cache_clear()
+    schema_of.cache_clear()
 
 
 @cache
 def adapter(annotation: Any) -> TypeAdapter[Any]:
     """What validates a value of an annotation."""
     return TypeAdapter(annotation)
+
+
+@cache
+def schema_of(model: type[BaseModel]) -> Mapping[str, Any]:
+    """The JSON Schema of a model, not to be changed."""
+    return model.model_json_schema(by_alias=True)

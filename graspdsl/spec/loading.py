@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
@@ -11,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, in_reading_order
 from graspdsl.places.document import Document, Path, parse_with_faults
 from graspdsl.places.validation import alternatives, validation_faults, with_known_keys
-from graspdsl.spec.growing import adapter
+from graspdsl.spec.growing import adapter, schema_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import apply_overrides
 
@@ -92,7 +93,7 @@ def load_spec_text(text: str, name: str, overrides: Sequence[str] = ()) -> Readi
 
 def json_schema(known: Known = ANYTHING) -> dict[str, Any]:
     """The JSON Schema of a spec, for editors; ``known`` as for :func:`spec_of`."""
-    schema = Spec.model_json_schema(by_alias=True)
+    schema = deepcopy(dict(schema_of(Spec)))
     scene, grades = schema["$defs"]["Scene"]["properties"], schema["properties"]["evaluate"]
     for table, field in (("worlds", scene["world"]), ("mounts", scene["mount"]), ("grades", grades)):
         if things := known.get(table):

@@ -92,7 +92,7 @@ class Spec(Model):
     controllers: dict[str, ControllerEntry] = Field(
         default={}, description="controllers of your own: 'π_mine|Γ_τ Γ_σ' and what it stands for"
     )
-    control: Control = Field(default=Control(), description="how gradients become motion")
+    control: Control = Field(default=Control.usual(), description="how gradients become motion")
     program: tuple[Phase, ...] = Field(
         min_length=1,
         description="the phases of a trial, in their order",
@@ -104,12 +104,12 @@ class Spec(Model):
         "--allow-code",
         examples=[["my_potential.py"]],
     )
-    monitors: MonitorBounds = Field(default=MonitorBounds(), description="what ends a trial that went wrong")
+    monitors: MonitorBounds = Field(default=MonitorBounds.usual(), description="what ends a trial that went wrong")
     evaluate: tuple[Annotated[str, name_in("grades")], ...] = Field(
         default=(), description="how the final grasps are graded"
     )
-    grading: Grading = Field(default=Grading(), description="by what conventions they are graded")
-    trials: Trials = Field(default=Trials(), description="how many trials there are and how they start")
+    grading: Grading = Field(default=Grading.usual(), description="by what conventions they are graded")
+    trials: Trials = Field(default=Trials.usual(), description="how many trials there are and how they start")
 
     def before(self, height: float) -> Spec:
         """The spec with the heights of its starts in m, before an object of a height [m]."""

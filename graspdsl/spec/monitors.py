@@ -232,7 +232,7 @@ class ProgressMonitor(Monitor):
         Annotated[Progress, form("progress")] | Off,
         forms("{window: 6.0, probes: 15, least: 0.02}, on (the default) or off", _progress_form),
     ]
-    default = Progress()
+    default = Progress.usual()
     outcome = Outcome(
         "local-minimum",
         "the residual stopped falling before the end conditions held, as the hand senses them",

@@ -50,7 +50,7 @@ class TactileSensor(Model):
 
     about: ClassVar[str]
 
-    touch: Touch = Field(default=Touch(), description="when a contact counts as touching")
+    touch: Touch = Field(default=Touch.usual(), description="when a contact counts as touching")
 
     @property
     def is_perfect(self) -> bool:

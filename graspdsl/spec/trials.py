@@ -99,7 +99,7 @@ class Trials(Model):
 
     count: Count = Field(default=20, ge=1, le=MOST_TRIALS, description="how many trials there are, 1 to 100000")
     seed: Count = Field(default=0, ge=0, le=2**63 - 1, description="what the random numbers are made from, 0 to 2⁶³−1")
-    start: StartSettings = Field(default=StartSettings(), description="where the hand stands when a trial starts")
+    start: StartSettings = Field(default=StartSettings.usual(), description="where the hand stands when a trial starts")
     grid: tuple[GridAxis, ...] | None = Field(
         default=None,
         min_length=1,

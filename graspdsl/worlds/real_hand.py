@@ -15,7 +15,7 @@ from graspdsl.basis.rotations import logarithm
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.hands.descriptions import Robot
 from graspdsl.hands.fingertip_motion import FingertipMotion, LinkMotion
-from graspdsl.models.urdf_text import mass_of, pose_of
+from graspdsl.models.urdf_elements import mass_of, pose_of
 from graspdsl.spec.scene import GRAVITY
 from graspdsl.spec.sensing import SampledSensor, TactileSensor
 from graspdsl.worlds.protocol import Observation, Start

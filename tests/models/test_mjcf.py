@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from graspdsl.diagnostics import DiagnosticError, Severity
-from graspdsl.models.model import FIXED, Frame, Model
+from graspdsl.models.joint_kinds import FIXED
+from graspdsl.models.model import Frame, Model
 from graspdsl.models.reading import model_in, read_model
 from graspdsl.models.urdf_text import urdf_text
 from graspdsl.places.files import SpecFolder
