@@ -253,7 +253,7 @@ class Pipeline:
             outputs |= {told.sensed, told.effects, told.changes}
             outputs |= {step for one in self.priorities for step in one.told_by(self.command)}
         steps = self.steps if certified else self.steps[: self.bare]
-        evaluation = _Evaluation(steps, tuple(sorted(outputs)), self.backend)
+        evaluation = _Evaluation(steps, tuple(sorted(outputs)))
         compiled = self.backend.compiled(evaluation)
 
         def values(observation: Observation) -> Values:
@@ -298,19 +298,19 @@ class Pipeline:
 class _Evaluation:
     """The values of some steps as a function of what is read, the same for steps that do the same."""
 
-    def __init__(self, steps: Sequence[Step], outputs: tuple[int, ...], backend: Backend) -> None:
+    def __init__(self, steps: Sequence[Step], outputs: tuple[int, ...]) -> None:
         self.outputs = outputs
         self.read = tuple(step.reading for step in steps if step.reading is not None)
-        self._steps, self._backend = steps, backend
+        self._steps = steps
         self._does = (outputs, *((fingerprint(step.function), step.inputs, step.reading) for step in steps))
 
-    def __call__(self, *read: Array) -> tuple[Array, ...]:
+    def __call__(self, call: Callable[..., Array], *read: Array) -> tuple[Array, ...]:
         left, values = iter(read), list[Array]()
         for step in self._steps:
             if step.reading is not None:
                 values.append(next(left))
             else:
-                values.append(self._backend.own(step.function)(*[values[i] for i in step.inputs]))
+                values.append(call(step.function, *[values[i] for i in step.inputs]))
         return tuple(values[output] for output in self.outputs)
 
     def __eq__(self, other: object) -> bool:
