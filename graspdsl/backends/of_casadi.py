@@ -6,15 +6,14 @@ import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from graspdsl.arrays import Array
 from graspdsl.backends.backend import Backend, Batched, Function, Step
-from graspdsl.backends.symbols import Symbols, casadi
+from graspdsl.backends.symbols import Symbols, casadi, in_formulas
 
 
 class CasADi(Backend):
@@ -47,42 +46,108 @@ class _Compiled:
         shapes = tuple(array.shape[len(batch) :] for array in arrays)
         rows = np.concatenate([array.reshape(count, -1) for array in arrays], axis=1, dtype=np.float64)
         if shapes not in self._programs:
-            self._programs[shapes] = _traced(self._function, rows[0], arrays, shapes)
+            trace = _Trace(rows[0], [(shape, array.dtype) for shape, array in zip(shapes, arrays, strict=True)])
+            self._programs[shapes] = trace.program(self._function)
         return self._programs[shapes](batch, rows)
-
-
-class _Rows:
-    """What CasADi makes of a column of numbers, row by row: a column of others."""
-
-    def __init__(self, given: Any, made: Any) -> None:
-        function = casadi().Function("tick", [given], [casadi().densify(made)], {"cse": True})
-        self._given, self._made = np.empty(given.numel()), np.empty(made.numel())
-        self._buffer, self._evaluate = function.buffer()
-        self._buffer.set_arg(0, memoryview(self._given))
-        self._buffer.set_res(0, memoryview(self._made))
-        self._alone = threading.Lock()
-
-    def __call__(self, rows: Array) -> Array:
-        results = np.empty((len(rows), len(self._made)))
-        with self._alone:
-            for row, result in zip(rows, results, strict=True):
-                self._given[:] = row
-                self._evaluate()
-                result[:] = self._made
-        return results
 
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Numbers of a row that are one array: its shape and its type."""
+    """Where in a row the numbers of an array are, its shape and its type."""
 
+    place: slice
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
 
+    def of(self, rows: Array, batch: tuple[int, ...]) -> Array:
+        """The array of each trial of a batch."""
+        array = rows[:, self.place].reshape(batch + self.shape)
+        return array if self.dtype == array.dtype else array.astype(self.dtype)
 
-class _Parts:
-    """Arrays out of rows of numbers (N, n), those of a batch; what are no formulas, as it is."""
 
-    def __init__(self, arrays: Sequence[Symbols | Array]) -> None:
-        self._known = tuple(None if isinstance(array, Symbols) else array for array in arrays)
-        ...
+class _Formulas:
+    """Arrays as CasADi makes them of numbers known before, those of one trial in a row; what of them are no symbols, is
+    as it is."""
+
+    def __init__(self, known: Any, arrays: Sequence[Symbols | Array]) -> None:
+        made = casadi().vertcat(*(array.elements for array in arrays if isinstance(array, Symbols)))
+        function = casadi().Function("made", [known], [made], {"cse": True})
+        self._given, self._made, self._alone = np.empty(known.numel()), np.empty(made.numel()), threading.Lock()
+        self._buffer, self._evaluate = function.buffer()
+        self._buffer.set_arg(0, memoryview(self._given))
+        self._buffer.set_res(0, memoryview(self._made))
+        ends = accumulate(array.size if isinstance(array, Symbols) else 0 for array in arrays)
+        self._arrays = [
+            _Part(slice(end - array.size, end), array.shape, array.dtype) if isinstance(array, Symbols) else array
+            for array, end in zip(arrays, ends, strict=True)
+        ]
+
+    def __call__(self, batch: tuple[int, ...], rows: Array) -> list[Array]:
+        made = np.empty((len(rows), len(self._made)))
+        with self._alone:
+            for row, result in zip(rows, made, strict=True):
+                self._given[:] = row
+                self._evaluate()
+                result[:] = self._made
+        return [part.of(made, batch) if isinstance(part, _Part) else part for part in self._arrays]
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """A step that is called as it stands: what it is given, and the shape of what it makes of one trial."""
+
+    step: Step
+    given: _Formulas
+    shape: tuple[int, ...]
+
+    def __call__(self, batch: tuple[int, ...], rows: Array) -> Array:
+        """The rows with what it makes of each behind them."""
+        made = np.broadcast_to(self.step(*self.given(batch, rows)), (*batch, *self.shape))
+        return np.concatenate([rows, made.reshape(len(rows), -1)], axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class _Program:
+    """The steps that are called, each with formulas of what is known before it, and formulas of all that is wanted."""
+
+    calls: Sequence[_Call]
+    wanted: _Formulas
+
+    def __call__(self, batch: tuple[int, ...], rows: Array) -> tuple[Array, ...]:
+        for call in self.calls:
+            rows = call(batch, rows)
+        return self.wanted(batch, rows)
+
+
+class _Trace:
+    """A function as it is called with symbols in place of the numbers of a row."""
+
+    def __init__(self, row: Array, arrays: Sequence[tuple[tuple[int, ...], np.dtype[Any]]]) -> None:
+        self._row, self._known, self._calls = row, casadi().SX.sym("given", len(row)), list[_Call]()
+        ends = accumulate(math.prod(shape) for shape, _ in arrays)
+        self._given = [
+            Symbols(self._known, np.arange(end - math.prod(shape), end).reshape(shape), dtype)
+            for (shape, dtype), end in zip(arrays, ends, strict=True)
+        ]
+
+    def program(self, function: Function) -> _Program:
+        """What the function does, for any numbers."""
+        wanted = [in_formulas(array) for array in function(self._call, *self._given)]
+        return _Program(self._calls, _Formulas(self._known, wanted))
+
+    def _call(self, step: Step, *arrays: Any) -> Any:
+        """What a step makes of arrays, some of symbols."""
+        if not any(isinstance(array, Symbols) for array in arrays):
+            return np.asarray(step(*arrays))
+        try:
+            made = step(*arrays)
+            return made if isinstance(made, Symbols) else np.asarray(made)
+        except Exception:  # whatever it comes to: with numbers it does as it would without a compiler
+            return self._called(step, arrays)
+
+    def _called(self, step: Step, arrays: Sequence[Any]) -> Symbols:
+        """Symbols for what a step makes of numbers."""
+        given = _Formulas(self._known, arrays)
+        made = np.asarray(step(*given((), self._row[None])))
+        unknown = casadi().SX.sym("made", made.size)
+        self._calls.append(_Call(step, given, made.shape))
+        self._row, self._known = np.append(self._row, made), casadi().vertcat(self._known, unknown)
+        return Symbols(unknown, np.arange(made.size).reshape(made.shape), made.dtype)

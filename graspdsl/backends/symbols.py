@@ -161,6 +161,11 @@ def _type(array: Any) -> np.dtype[Any]:
     return array.dtype if isinstance(array, Symbols) else np.asarray(array).dtype
 
 
+def in_formulas(array: Any) -> Symbols:
+    """An array as symbols, also one whose numbers are known."""
+    return array if isinstance(array, Symbols) else _in_shape(_column(array), np.shape(array), np.asarray(array).dtype)
+
+
 def _in_shape(column: Any, shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Symbols:
     return Symbols(column, np.arange(column.numel()).reshape(shape), dtype)
 
@@ -305,6 +310,9 @@ MOVES: set[object] = {
     *(np.diagonal, np.take, np.repeat, np.tile, np.roll, np.flip, np.copy),
 }
 FUNCTIONS: dict[object, Callable[..., Any]] = {
+    np.shape: lambda array: array.shape,
+    np.ndim: lambda array: array.ndim,
+    np.size: lambda array: array.size,
     np.where: _where,
     np.concatenate: _concatenate,
     np.stack: _stack,

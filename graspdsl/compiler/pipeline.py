@@ -16,6 +16,7 @@ from graspdsl.compiler.graph import ControllerNode
 from graspdsl.worlds.protocol import Command, Observation
 
 Values = Mapping[int, Array] | Sequence[Array]  # by the numbers of steps
+LOCKED = ("jacobian", "angular_jacobian")  # what of an observation locked joints change
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +170,9 @@ class Pipeline:
     limits: tuple[Array, Array] | None = None
     backend: Backend = NUMPY
     locked: tuple[int, ...] = ()
-    _compiled: dict[bool, Callable[[Observation], Values]] = field(default_factory=dict, compare=False, repr=False)
+    _compiled: dict[bool, Callable[[Observation, Flags | None], Values]] = field(
+        init=False, default_factory=dict, compare=False, repr=False
+    )
 
     def values(self, observation: Observation, *, certified: bool = True) -> list[Array]:
         """The value of every step for an observation, in the order of the steps; ``certified``: also of those that
@@ -182,14 +185,14 @@ class Pipeline:
                 values.append(step.function(*[values[i] for i in step.inputs]))
         return values
 
-    def _values_with(self, observation: Observation, free: Values) -> Values:
+    def _values_with(self, observation: Observation, locked: Flags, free: Values) -> Values:
         """The values, by their steps, of those that change when joints are locked; of the others those of a free
         hand."""
         values = dict(enumerate(free)) if isinstance(free, Sequence) else dict(free)
         for place in self.locked:
             step = self.steps[place]
             if step.reading is not None:
-                values[place] = getattr(observation, step.reading)
+                values[place] = _read(observation, step.reading, locked)
             elif place in values:
                 values[place] = step.function(*[values[i] for i in step.inputs])
         return values
@@ -242,9 +245,9 @@ class Pipeline:
             return self.values(observation, certified=certified)
         if certified not in self._compiled:
             self._compiled[certified] = self._as_compiled(certified=certified)
-        return self._compiled[certified](observation)
+        return self._compiled[certified](observation, None)
 
-    def _as_compiled(self, *, certified: bool) -> Callable[[Observation], Values]:
+    def _as_compiled(self, *, certified: bool) -> Callable[[Observation, Flags | None], Values]:
         """The values of all that a tick is made of, as the backend compiles them."""
         told = self.certificate if certified else None
         outputs = {self.command, self.force_residual, self.moment_residual, *(one.rank for one in self.priorities)}
@@ -256,8 +259,8 @@ class Pipeline:
         evaluation = _Evaluation(steps, tuple(sorted(outputs)))
         compiled = self.backend.compiled(evaluation)
 
-        def values(observation: Observation) -> Values:
-            read = [np.asarray(getattr(observation, name)) for name in evaluation.read]
+        def values(observation: Observation, locked: Flags | None) -> Values:
+            read = [np.asarray(_read(observation, name, locked)) for name in evaluation.read]
             return dict(zip(evaluation.outputs, compiled(observation.points.shape[:-2], *read), strict=True))
 
         return values
@@ -274,11 +277,10 @@ class Pipeline:
             locked = np.zeros(observation.joints.shape, dtype=bool)
             while True:
                 if (key := locked.tobytes()) not in evaluated:
-                    seen = _with_locked(observation, locked)
                     if self.backend is NUMPY:
-                        evaluated[key] = self._values_with(seen, free)
+                        evaluated[key] = self._values_with(observation, locked, free)
                     else:
-                        evaluated[key] = self._tick_values(seen, certified=certified)
+                        evaluated[key] = self._compiled[certified](observation, locked)
                 displacement = np.where(locked, 0.0, evaluated[key][command])
                 beyond = self._beyond(observation.joints, displacement)
                 if not beyond.any():
@@ -320,12 +322,10 @@ class _Evaluation:
         return hash(self._does)
 
 
-def _with_locked(observation: Observation, locked: Flags) -> Observation:
-    """An observation in which locked joints (..., n) move no contact."""
-    free = np.where(locked, 0.0, 1.0)[..., None, None, :]
-    return replace(
-        observation, jacobian=observation.jacobian * free, angular_jacobian=observation.angular_jacobian * free
-    )
+def _read(observation: Observation, name: str, locked: Flags | None) -> Array:
+    """A field of an observation, in which locked joints (..., n) move no contact."""
+    value: Array = getattr(observation, name)
+    return value if locked is None or name not in LOCKED else value * np.where(locked, 0.0, 1.0)[..., None, None, :]
 
 
 @dataclass(slots=True)
