@@ -214,11 +214,13 @@ class Pipeline:
         commands = [self.command, *(one.alone for one in self.priorities if told)]
         if any(self._beyond(observation.joints, free[step]).any() for step in commands):
             (displacement, locked, values), *alone = self._with_locks(observation, free, commands, certified=certified)
-            made = (
-                operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
-                for one, (moved, _, _) in zip(self.priorities, alone, strict=False)
-            )
-            changes = operations.side_by_side(2, -1, *made) if told else changes
+            if told:
+                made = (
+                    operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
+                    for one, (moved, _, _) in zip(self.priorities, alone, strict=True)
+                )
+                locks = np.any([locked, *(others for _, others, _ in alone)], axis=(0, -1))
+                changes = np.where(locks[..., None, None, None], operations.side_by_side(2, -1, *made), changes)
 
         def of_each(value: Array, *shape: int) -> Array:
             return value if value.ndim == len(batch) + len(shape) else np.broadcast_to(value, (*batch, *shape))
