@@ -64,16 +64,16 @@ def rows() -> Iterator[Row]:
             missing[name] = f"not installed: {error.name}"
     times = in_turn(actions, ROUNDS, EACH)
     said = medians(times)
-    for name, (other, bound) in product(ON, zip(makers, BOUNDS, strict=True)):
+    for name, (peer, bound) in product(ON, zip(makers, BOUNDS, strict=True)):
         what = f"tick of π_sgx on {name}"
-        if reason := missing.get(name) or missing.get(other):
-            yield Row(f"{what} / {other}", note=reason)
+        if reason := missing.get(name) or missing.get(peer):
+            yield Row(f"{what} / {peer}", note=reason)
             continue
-        yield ratio_of(f"{what}, command alone / {other}", times[f"command on {name}"], times[other], bound, said)
-        yield ratio_of(f"{what}, certified / {other}", times[f"certified on {name}"], times[other], "")
-        if SOLVER in other:
+        yield ratio_of(f"{what}, command alone / {peer}", times[f"command on {name}"], times[peer], bound, said)
+        yield ratio_of(f"{what}, certified / {peer}", times[f"certified on {name}"], times[peer], "")
+        if SOLVER in peer:
             kinematic = times[f"with kinematics on {name}"]
-            yield ratio_of(f"{what}, with the kinematics that the other does / {other}", kinematic, times[other], "")
+            yield ratio_of(f"{what}, with the kinematics that a peer does / {peer}", kinematic, times[peer], "")
 
 
 def ticks_on(name: str, pipeline: Pipeline, seen: Observation, moved: Callable[[], Array]) -> dict[str, Tick]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import operator
 import sys
 from collections.abc import Callable
-from functools import cache, reduce, singledispatch
+from functools import cache, reduce
 from types import SimpleNamespace
 from typing import Any, Protocol, TypeVar, cast
 
@@ -105,10 +105,10 @@ def product(a: Array, b: Array) -> Array:
     return _sum([a[..., :, i, None] * b[..., None, i, :] for i in range(terms)])
 
 
-@singledispatch
 def solved(definite: Array, right: Array) -> Array:
-    """A⁻¹ B for a symmetric, positive definite A (..., n, n) and B (..., n, m)."""
-    return namespace(definite).linalg.solve(definite, right)
+    """A⁻¹ B for a symmetric, positive definite A (..., n, n) and B (..., n, m); arrays may have a way of their own."""
+    own: Binary | None = getattr(type(definite), "solved", None)
+    return namespace(definite).linalg.solve(definite, right) if own is None else own(definite, right)
 
 
 def _sum(terms: list[Array]) -> Array:

@@ -74,22 +74,24 @@ class _Formulas:
         function = casadi().Function("made", [known], [made], {"cse": True})
         self._given, self._made, self._alone = np.empty(known.numel()), np.empty(made.numel()), threading.Lock()
         self._buffer, self._evaluate = function.buffer()
-        self._buffer.set_arg(0, memoryview(self._given))
-        self._buffer.set_res(0, memoryview(self._made))
+        self._buffer.set_arg(0, self._given.data)
+        self._buffer.set_res(0, self._made.data)
         ends = accumulate(array.size if isinstance(array, Symbols) else 0 for array in arrays)
         self._arrays = [
             _Part(slice(end - array.size, end), array.shape, array.dtype) if isinstance(array, Symbols) else array
             for array, end in zip(arrays, ends, strict=True)
         ]
 
-    def __call__(self, batch: tuple[int, ...], rows: Array) -> list[Array]:
+    def __call__(self, batch: tuple[int, ...], rows: Array) -> tuple[Array, ...]:
         made = np.empty((len(rows), len(self._made)))
         with self._alone:
             for row, result in zip(rows, made, strict=True):
                 self._given[:] = row
                 self._evaluate()
                 result[:] = self._made
-        return [part.of(made, batch) if isinstance(part, _Part) else part for part in self._arrays]
+        return tuple([part.of(made, batch) if isinstance(part, _Part) else part for part in self._arrays])
+
+
 @dataclass(frozen=True, slots=True)
 class _Call:
     """A step that is called as it stands: what it is given, and the shape of what it makes of one trial."""

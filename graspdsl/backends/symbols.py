@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from graspdsl.arrays import Array, solved
+from graspdsl.arrays import Array
 
 LARGEST = 2048  # elements of an array, and products in a solution: what has more takes a library less time
 ANY = slice(None)
@@ -69,6 +69,16 @@ class Symbols(np.lib.mixins.NDArrayOperatorsMixin):
             raise TypeError(f"numbers that are not known yet cannot become {dtype}")
         return Symbols(self.column, self.places)
 
+    def solved(self, right: Any) -> Symbols:
+        """A⁻¹ B (n, m) of a symmetric, positive definite one (n, n) and B (n, m), by L D Lᵀ."""
+        (count, _), (_, columns) = self.shape, np.shape(right)
+        if count * count * columns > LARGEST:
+            raise TypeError(f"{count} equations")
+        to = casadi()  # whose columns come one after the other
+        factors = to.ldl(to.reshape(self.T.elements, count, count))
+        result = to.ldl_solve(to.reshape(_column(np.transpose(right)), count, columns), *factors)
+        return Symbols(to.vec(result), np.arange(right.size).reshape(columns, count).T)
+
     def __len__(self) -> int:
         return len(self.places)
 
@@ -81,7 +91,7 @@ class Symbols(np.lib.mixins.NDArrayOperatorsMixin):
     def __getattr__(self, name: str) -> Any:
         if name == "T":
             return self.at(self.places.T)
-        function = getattr(np, name, None)
+        function: Any = getattr(np, name, None)
         if function in MOVES or function in FUNCTIONS:
             return partial(function, self)
         raise AttributeError(f"arrays of numbers that are not known yet have no {name}")
@@ -116,8 +126,15 @@ SAME = (
     "power",
 )
 LOGIC: dict[np.ufunc, str] = {
-    **{np.less: "lt", np.less_equal: "le", np.greater: "gt", np.greater_equal: "ge", np.equal: "eq", np.not_equal: "ne"},
-    **{np.logical_and: "logic_and", np.logical_or: "logic_or", np.logical_not: "logic_not"},
+    np.less: "lt",
+    np.less_equal: "le",
+    np.greater: "gt",
+    np.greater_equal: "ge",
+    np.equal: "eq",
+    np.not_equal: "ne",
+    np.logical_and: "logic_and",
+    np.logical_or: "logic_or",
+    np.logical_not: "logic_not",
 }
 BITWISE: dict[np.ufunc, str] = {np.bitwise_and: "logic_and", np.bitwise_or: "logic_or", np.invert: "logic_not"}
 
@@ -186,20 +203,22 @@ def _column(array: Any) -> Any:
 
 def _reduced(
     ufunc: np.ufunc, array: Any, axis: int | tuple[int, ...] | None = None, *, keepdims: bool = False, **usual: object
-) -> Symbols:
+) -> Any:
     """A function of two numbers, of all along an axis."""
     if usual.get("dtype") is not None or usual.get("where", True) is not True or usual.keys() & {"initial", "out"}:
-        raise TypeError("a sum with options")
+        raise TypeError(f"{ufunc.__name__} with options")
     axes = range(array.ndim) if axis is None else np.atleast_1d(axis) % array.ndim
-    rest = array
+    rest = array if array.dtype == np.bool_ or ufunc not in LOGIC else array != 0.0
+    if rest.dtype == np.bool_ and ufunc not in LOGIC:
+        raise TypeError(f"{ufunc.__name__} of truth values")
     for place in sorted(axes, reverse=True):
         rest = reduce(ufunc, np.moveaxis(rest, place, 0))
     kept = tuple(1 if place in axes else length for place, length in enumerate(array.shape))
     return rest.reshape(kept) if keepdims else rest
 
 
-def _mean(array: Any, axis: int | None = None) -> Any:
-    return np.sum(array, axis=axis) / (array.size if axis is None else array.shape[axis])
+def _mean(array: Any, axis: int | None = None, *, keepdims: bool = False) -> Any:
+    return np.sum(array, axis=axis, keepdims=keepdims) / (array.size if axis is None else array.shape[axis])
 
 
 def _matmul(a: Any, b: Any) -> Any:
@@ -221,7 +240,9 @@ PRODUCTS: dict[np.ufunc, Callable[[Any, Any], Any]] = {
 
 def _einsum(subscripts: str, *arrays: Any) -> Any:
     """As numpy's, of what names its result and no axis of an array twice."""
-    terms, _, result = subscripts.replace(" ", "").partition("->")
+    terms, arrow, result = subscripts.replace(" ", "").partition("->")
+    if not arrow:
+        raise TypeError(f"einsum of {subscripts}, which does not name its result")
     named = [term.replace("...", "") for term in terms.split(",")]
     ahead = [np.ndim(array) - len(term) for array, term in zip(arrays, named, strict=True)]
     letters = sorted(set("".join(named)))
@@ -243,8 +264,8 @@ def _where(condition: Any, one: Any, other: Any) -> Symbols:
     made = bool if _type(one) == _type(other) == np.bool_ else float
     if isinstance(condition, Symbols):
         return _in_shape(casadi().if_else(*_alike(shape, (condition, one, other))), shape, made)
-    both = np.stack([np.broadcast_to(one, shape), np.broadcast_to(other, shape)])
-    return both.at(np.where(condition, *both.places))
+    both = _stack([np.broadcast_to(one, shape), np.broadcast_to(other, shape)])
+    return both.at(np.where(condition, both.places[0], both.places[1]))
 
 
 def _concatenate(arrays: Sequence[Any], axis: int = 0) -> Symbols:
@@ -291,18 +312,6 @@ def _trace(array: Any, offset: int = 0, axis1: int = 0, axis2: int = 1) -> Any:
 
 def _norm(array: Any, *, axis: int | None = None, keepdims: bool = False) -> Any:
     return np.sqrt(np.sum(array * array, axis=axis, keepdims=keepdims))
-
-
-@solved.register
-def _(definite: Symbols, right: Any) -> Symbols:
-    """By L D Lᵀ, of one matrix."""
-    (count, _), (_, columns) = definite.shape, right.shape
-    if count * count * columns > LARGEST:
-        raise TypeError(f"a system of {count} equations")
-    to = casadi()  # whose columns come one after the other
-    factors = to.ldl(to.reshape(definite.T.elements, count, count))
-    result = to.ldl_solve(to.reshape(_column(np.transpose(right)), count, columns), *factors)
-    return _in_shape(to.vec(result), (columns, count)).T
 
 
 MOVES: set[object] = {

@@ -212,8 +212,9 @@ class Pipeline:
         displacement, locked = free[self.command], np.zeros(observation.joints.shape, dtype=bool)
         changes = free[told.changes] if told else np.zeros((*batch, 0, 4, 0))
         commands = [self.command, *(one.alone for one in self.priorities if told)]
-        if any(self._beyond(observation.joints, free[step]).any() for step in commands):
-            (displacement, locked, values), *alone = self._with_locks(observation, free, commands, certified=certified)
+        beyond = [(step, self._beyond(observation.joints, free[step])) for step in commands]
+        if any(joints.any() for _, joints in beyond):
+            (displacement, locked, values), *alone = self._with_locks(observation, free, beyond, certified=certified)
             if told:
                 made = (
                     operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
@@ -268,27 +269,26 @@ class Pipeline:
         return values
 
     def _with_locks(
-        self, observation: Observation, free: Values, commands: Iterable[int], *, certified: bool
+        self, observation: Observation, free: Values, beyond: Iterable[tuple[int, Flags]], *, certified: bool
     ) -> Iterator[tuple[Array, Flags, Values]]:
         """Of each command what of it can be carried out, the joints that it locks, and all values when these are.
 
-        free: the values when none is.
+        free: the values when none is; beyond: the commands, with the joints that each would then take beyond limits.
         """
-        evaluated = {np.zeros(observation.joints.shape, dtype=bool).tobytes(): free}
-        for command in commands:
-            locked = np.zeros(observation.joints.shape, dtype=bool)
-            while True:
+        evaluated = dict[bytes, Values]()
+        for command, joints in beyond:
+            displacement, locked, values = free[command], np.zeros(observation.joints.shape, dtype=bool), free
+            while joints.any():
+                locked = locked | joints
                 if (key := locked.tobytes()) not in evaluated:
                     if self.backend is NUMPY:
                         evaluated[key] = self._values_with(observation, locked, free)
                     else:
                         evaluated[key] = self._compiled[certified](observation, locked)
-                displacement = np.where(locked, 0.0, evaluated[key][command])
-                beyond = self._beyond(observation.joints, displacement)
-                if not beyond.any():
-                    break
-                locked = locked | beyond
-            yield displacement, locked, evaluated[key]
+                values = evaluated[key]
+                displacement = np.where(locked, 0.0, values[command])
+                joints = self._beyond(observation.joints, displacement)
+            yield displacement, locked, values
 
     def _beyond(self, joints: Array, displacement: Array) -> Flags:
         """Which joints (..., n) a displacement takes beyond their limits."""
