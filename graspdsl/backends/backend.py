@@ -11,7 +11,7 @@ from typing import ClassVar
 from graspdsl.arrays import Array
 
 Step = Callable[..., Array]  # of arrays
-Function = Callable[..., tuple[Array, ...]]  # of what calls steps, which it has call each of its own, and of arrays
+Function = Callable[..., tuple[Array, ...]]  # of what it shall call its steps by, and of arrays
 Batched = Callable[..., tuple[Array, ...]]  # of the shape of a batch, and of arrays that have it before their own
 
 

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from graspdsl.arrays import Array
 
-LARGEST = 2048  # elements of an array, and products in a solution: what has more takes a library less time
+LARGEST = 4096  # elements of an array, and products in a solution: what has more takes a library less time
 ANY = slice(None)
 
 
