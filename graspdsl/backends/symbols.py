@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from graspdsl.arrays import Array
 
-LARGEST = 4096  # elements of an array, and products in a solution: what has more takes a library less time
+LARGEST = 4096  # numbers of an array, those that a product adds up among them: what has more takes a library less time
 ANY = slice(None)
 
 
@@ -72,8 +72,6 @@ class Symbols(np.lib.mixins.NDArrayOperatorsMixin):
     def solved(self, right: Any) -> Symbols:
         """A⁻¹ B (n, m) of a symmetric, positive definite one (n, n) and B (n, m), by L D Lᵀ."""
         (count, _), (_, columns) = self.shape, np.shape(right)
-        if count * count * columns > LARGEST:
-            raise TypeError(f"{count} equations")
         to = casadi()  # whose columns come one after the other
         factors = to.ldl(to.reshape(self.T.elements, count, count))
         result = to.ldl_solve(to.reshape(_column(np.transpose(right)), count, columns), *factors)

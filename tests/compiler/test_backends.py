@@ -143,6 +143,60 @@ def test_steps_that_formulas_cannot_be_made_of_are_called(
     assert called == left
 
 
+# What anyone writes with numpy, of a vector (3,).
+WRITABLE: tuple[Callable[[Any], Any], ...] = (
+    lambda x: np.where(np.abs(x) < 0.1, x, 0.1 * np.sign(x)),
+    lambda x: x * np.minimum(1.0, 0.1 / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), 1e-12)),
+    lambda x: x - x.mean(axis=-1, keepdims=True) + np.tanh(x) + np.abs(x) ** 1.5,
+    lambda x: np.where((x > 0.0) & ~(x < 0.5), x, 0.0) + (x > 0.0).astype(float) * np.any(x[:1]),
+    lambda x: np.where(np.array([True, False, True]), x, -x) + np.round(10.0 * x),
+    lambda x: np.take_along_axis(x, x.argmax(axis=-1)[..., None], axis=-1) * np.ones_like(x),
+    lambda x: np.einsum("ij,jk->ki", x[:, None] * x, np.arange(9.0).reshape(3, 3)) @ x + x @ np.eye(3),
+    lambda x: np.stack([part * part for part in x]) + np.roll(x, 1) + x[[2, 0, 1]] + x.T,
+    lambda x: np.pad(x, ((1, 0),)) + np.concatenate([np.zeros_like(x), x[:1]]),
+    lambda x: (x[:, None] * x > 0.02) | (np.add.reduce(x) > 0.0),
+)
+CALLED: tuple[Callable[[Any], Any], ...] = (
+    lambda x: x if x[0] > 0.0 else -x,
+    lambda x: float(x[0]) * x,
+    lambda x: (x > 0.0).sum() * x,
+    lambda x: (x[:1] > 0.0).sum() * x,
+    lambda x: ((x > 0.0) * (x < 1.0)) * x,
+    lambda x: np.asarray(x) + 1.0,
+    lambda x: np.array([x[0], x[1]]),
+    lambda x: x[np.argmax(x, axis=-1)],
+    lambda x: x % 0.3,
+    lambda x: np.linalg.inv(np.eye(3) + x[:, None] * x),
+    lambda x: np.linalg.trace(np.stack([x[:, None] * x] * 2)),
+    lambda x: np.einsum("i,i", x, x),
+    lambda x: np.pad(x, 1, constant_values=3.0),
+    lambda x: x.astype(np.float32),
+    lambda x: x.max(initial=0.2),
+    lambda x: np.take_along_axis(x, np.array([0, 2]), axis=0),
+    lambda x: np.add.outer(x, x),
+    lambda x: x.std(),
+)
+
+
+@pytest.mark.parametrize("function", [*WRITABLE, *CALLED])
+def test_functions_of_numpy_become_formulas_or_are_called(function: Callable[[Any], Any]) -> None:
+    seen = list[Array]()
+
+    def step(x: Array) -> Array:
+        seen.append(x)
+        made: Array = function(x)
+        return made
+
+    by_casadi = CASADI.compiled(lambda call, x: (call(step, x),))
+    by_casadi((), np.ones(3))
+    for given in (np.array([0.3, -0.2, 0.7]), np.array([-0.3, 0.6, 0.05]), np.zeros(3)):
+        seen.clear()
+        expected, (found,) = np.asarray(function(given)), by_casadi((), given)
+        assert (len(seen) == 0) == (function in WRITABLE)
+        assert (found.shape, found.dtype) == (expected.shape, expected.dtype)
+        np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+
+
 @pytest.mark.slow
 @COMPILERS
 @pytest.mark.parametrize(
