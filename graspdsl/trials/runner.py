@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from collections import Counter
@@ -23,7 +22,7 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import PackedTrial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
-from graspdsl.trials.workers import Crew
+from graspdsl.trials.workers import Crew, Dask, Workers
 
 OnRecord = Callable[[TrialRecord], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
@@ -66,7 +65,7 @@ def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]
 
 def execute(
     folder: RunFolder,
-    workers: int | None = None,
+    workers: Workers = None,
     on_record: OnRecord | None = None,
     finished: Sequence[TrialRecord] | None = None,
     on_drawing: OnDrawing | None = None,
@@ -90,12 +89,10 @@ def execute(
             return
         _can_be_run(program)
         most = together(program)
-        if workers is None:
-            workers = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
-        workers = min(workers, len(numbers))
-        rounds = math.ceil(len(numbers) / (workers * most))
-        size = math.ceil(len(numbers) / (workers * rounds))
-        batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
+        count = workers.workers if isinstance(workers, Dask) else workers
+        if count is None:
+            count = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
+        count = min(count, len(numbers))
         began, seed = time.perf_counter(), folder.manifest.seed
 
         def spend() -> None:
@@ -103,15 +100,20 @@ def execute(
                 folder.spend(time.perf_counter() - began)
 
         tell = on_drawing or (lambda _number, _draws: None)
-        if workers == 1:
+        identity_of, limit = identities(program, seed), program.spec.trials.wall_limit
+
+        def crash(number: int, cause: str) -> PackedTrial:
+            return crashed(program, number, identity_of(number), cause).packed()
+
+        if isinstance(workers, Dask):
+            from graspdsl.trials.dask_crew import DaskCrew
+
+            place = workers.scheduler or count
+            trials = DaskCrew(program, source_of(folder), seed, place, tell, crash).run(numbers, most)
+        elif count == 1:
             trials = _here(program, numbers, seed, tell)
         else:
-            identity_of, limit = identities(program, seed), program.spec.trials.wall_limit
-
-            def crash(number: int, cause: str) -> PackedTrial:
-                return crashed(program, number, identity_of(number), cause).packed()
-
-            trials = Crew(source_of(folder), seed, workers, limit, tell, crash).run(batches)
+            trials = Crew(source_of(folder), seed, count, limit, tell, crash).run(numbers, most)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):

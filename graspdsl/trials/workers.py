@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import multiprocessing
 import multiprocessing.connection
 import multiprocessing.process
@@ -18,7 +19,7 @@ import threading
 import time
 import traceback
 from collections import Counter, deque
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing import resource_tracker
@@ -32,6 +33,7 @@ from graspdsl.trials.loop import OnDrawing
 from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.setup import trial_loop
 
+ENGINES = ("local", "dask")
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 GLANCE = 0.5  # s
 RUNS = 2  # of a trial that kills its worker
@@ -42,11 +44,46 @@ _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGI
 OnCrash = Callable[[int, str], PackedTrial]  # what is kept of a trial, by its number, and of what ended its process
 
 
+@dataclass(frozen=True, slots=True)
+class Dask:
+    """A Dask cluster: that of a scheduler, by its address or its file (.json), or one of so many processes on this
+    machine, by default as many as are worth it."""
+
+    scheduler: str | None = None
+    workers: int | None = None
+
+
+Workers = int | Dask | None  # who shares the trials: so many processes, by default as many as are worth it, or Dask's
+
+
+def sharing(workers: int | None, engine: str, scheduler: str | None) -> Workers:
+    """Who shares the trials of a run, as its user names them: engine ``local`` or ``dask``. Raises ValueError where
+    that does not go together."""
+    if engine not in ENGINES:
+        raise ValueError(f"engine: expected {' or '.join(ENGINES)}, found {engine!r}")
+    if scheduler is None:
+        return workers if engine == "local" else Dask(workers=workers)
+    if engine == "local":
+        raise ValueError("a scheduler is one of Dask's: ask for the engine dask, too")
+    if workers is not None:
+        raise ValueError("a scheduler has workers of its own: give one of the two")
+    return Dask(scheduler)
+
+
+def in_batches(numbers: Sequence[int], workers: int, most: int) -> Iterator[Sequence[int]]:
+    """The numbers in parts of nearly equal length, at most so long, of which each of the workers gets as many."""
+    workers = min(workers, len(numbers))
+    rounds = math.ceil(len(numbers) / (workers * most))
+    size = math.ceil(len(numbers) / (workers * rounds))
+    return (numbers[first : first + size] for first in range(0, len(numbers), size))
+
+
 class WorkerEndedError(Exception):
-    """Worker processes end before any trial does; ``from_outside`` when somebody or the system stops them."""
+    """Worker processes end before any trial does; ``from_outside`` when somebody or the system stops them, or may have
+    done so."""
 
     def __init__(self, cause: str, exit_code: int | None) -> None:
-        self.from_outside = exit_code is not None and -exit_code in _STOPPED
+        self.from_outside = exit_code is None or -exit_code in _STOPPED
         advice = "; if memory is short, fewer --workers need less" if exit_code == -signal.SIGKILL else ""
         super().__init__(f"{FRUITLESS} worker processes ended one after the other ({cause}){advice}")
 
@@ -148,12 +185,12 @@ class Crew:
         self._ends: Counter[int] = Counter()  # of workers, by the trials that they were at
         self._fruitless = 0
 
-    def run(self, batches: Iterable[Sequence[int]]) -> Generator[PackedTrial, None, None]:
-        """Run the trials of batches, each beside the others of its batch; each comes as it ends.
+    def run(self, numbers: Sequence[int], most: int) -> Generator[PackedTrial, None, None]:
+        """Run these trials, at most so many side by side; each comes as it ends.
 
         Raises WorkerEndedError where workers die one after the other, and what goes wrong in one without ending it.
         """
-        self._left = map(list, batches)
+        self._left = map(list, in_batches(numbers, self._count, most))
         with interruption.at_the_end(self._kill):
             while self._are_busy():
                 # A signal just before a wait is heeded after it.
@@ -258,14 +295,14 @@ def _started(source: Source, seed: int) -> tuple[Pipe, Process]:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     process = context.Process(target=_work, args=(there, source, seed), daemon=True)
-    with _sheltered(), _without_script():
+    with sheltered(), without_script():
         process.start()
     there.close()
     return here, process
 
 
 @contextmanager
-def _without_script() -> Iterator[None]:
+def without_script() -> Iterator[None]:
     """Processes started within do not run the user's script anew, as multiprocessing has them do: it would start others
     in turn."""
     script = sys.modules["__main__"]
@@ -277,7 +314,7 @@ def _without_script() -> Iterator[None]:
 
 
 @contextmanager
-def _sheltered() -> Iterator[None]:
+def sheltered() -> Iterator[None]:
     """Processes started within never see the signals that a terminal or a batch system sends to all: this process
     decides for them."""
     if not hasattr(signal, "pthread_sigmask"):
