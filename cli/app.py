@@ -6,7 +6,7 @@ import enum
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer.models import CommandInfo
@@ -15,6 +15,9 @@ from graspdsl.cli.inputs import answering, judged, named, sound
 from graspdsl.cli.messages import WRONG_INPUT, as_file_json, complain, printable, result, result_json
 from graspdsl.cli.words import Beginnings, Commands
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, has_errors, on_one_line
+
+if TYPE_CHECKING:
+    from graspdsl.trials.workers import Workers as SharedBy
 
 app = typer.Typer(
     name="graspdsl",
@@ -39,11 +42,26 @@ class Evaluator(enum.StrEnum):
     CASADI = "casadi"
 
 
+class Engine(enum.StrEnum):
+    """Who runs trials: graspdsl.trials.workers.ENGINES, repeated here because typer needs them at once."""
+
+    LOCAL = "local"
+    DASK = "dask"
+
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 Trials = Annotated[int | None, typer.Option(min=1, max=MOST_TRIALS, help="How many trials, not what the spec says.")]
 Seed = Annotated[int | None, typer.Option(min=0, max=LARGEST_SEED, help="The seed, not what the spec says.")]
 Workers = Annotated[
     int | None, typer.Option(min=1, max=MOST_WORKERS, help="How many processes; the numbers do not depend on it.")
+]
+Shared = Annotated[
+    Engine,
+    typer.Option("--engine", help="Who runs the trials: processes of this machine, or a Dask cluster, an extra."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS|FILE", help="Dask's scheduler; by default there is one here, with --workers."),
 ]
 Out = Annotated[
     Path | None, typer.Option(parser=named, metavar="DIR", help="The run's folder; by default a new one in runs/.")
@@ -68,6 +86,16 @@ Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="
 def _with_backend(settings: list[str], backend: Evaluator | None) -> list[str]:
     """The settings, with that of a backend which has an option of its own."""
     return [*settings, *([f"control.backend={backend.value}"] if backend else [])]
+
+
+def _sharing(workers: int | None, engine: Engine, scheduler: str | None) -> SharedBy:
+    """Who shares the trials."""
+    from graspdsl.trials.workers import sharing
+
+    try:
+        return sharing(workers, engine.value, scheduler)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--scheduler") from None
 
 
 def only(words: Sequence[str]) -> None:
@@ -129,6 +157,8 @@ def run(
     trials: Trials = None,
     seed: Seed = None,
     workers: Workers = None,
+    engine: Shared = Engine.LOCAL,
+    scheduler: Scheduler = None,
     out: Out = None,
     resume: Resume = None,
     settings: Setting = [],  # noqa: B006 (typer copies it)
@@ -142,6 +172,7 @@ def run(
 ) -> None:
     """Run a spec's trials and report what the controller did."""
     with answering(as_json):
+        sharing = _sharing(workers, engine, scheduler)
         if resume is not None:
             if trials is not None or seed is not None or out is not None or settings or backend or keep:
                 message = "a resumed run keeps its trials, seed, folder and settings"
@@ -160,7 +191,7 @@ def run(
             from graspdsl.cli.running import begin, finish
 
             folder = begin("run", program, out)
-        code = finish(folder, workers, as_json, page=not no_report)
+        code = finish(folder, sharing, as_json, page=not no_report)
     raise typer.Exit(code)
 
 
@@ -182,6 +213,8 @@ def map_(
     contact: Annotated[str | None, typer.Option(help="Which floating contact; by default the grasp's first.")] = None,
     seed: Seed = None,
     workers: Workers = None,
+    engine: Shared = Engine.LOCAL,
+    scheduler: Scheduler = None,
     out: Annotated[
         Path | None, typer.Option(parser=named, metavar="DIR", help="The map's folder; by default a new one in runs/.")
     ] = None,
@@ -197,10 +230,11 @@ def map_(
     with answering(as_json):
         from graspdsl.cli.mapping import USUAL_GRID, make_map, resume_map, wanted_axes
 
+        sharing = _sharing(workers, engine, scheduler)
         if resume is not None:
             if any(value is not None for value in (spec, over, grid, contact, seed, out, backend)) or settings:
                 raise typer.BadParameter("a resumed map keeps all that it was begun with", param_hint="--resume")
-            code = resume_map(resume, workers, as_json, allow_code=allow_code)
+            code = resume_map(resume, sharing, as_json, allow_code=allow_code)
         elif spec is None or over is None:
             raise typer.BadParameter("give a spec and --over two parameters, or --resume a map", param_hint="SPEC")
         else:
@@ -209,7 +243,7 @@ def map_(
             code = make_map(
                 *(spec, axes, tuple(overrides)),
                 contact=contact,
-                workers=workers,
+                workers=sharing,
                 out=out,
                 as_json=as_json,
                 allow_code=allow_code,
@@ -312,6 +346,8 @@ def experiments(
     trials: Trials = None,
     seed: Seed = None,
     workers: Workers = None,
+    engine: Shared = Engine.LOCAL,
+    scheduler: Scheduler = None,
     out: Annotated[
         Path | None,
         typer.Option(parser=named, metavar="DIR", help="Where the runs go; one begun there before goes on."),
@@ -326,7 +362,8 @@ def experiments(
         from graspdsl.cli.experimenting import run_experiments
         from graspdsl.cli.several import Asked
 
-        given = (tuple(specs), tuple(_with_backend(settings, backend)), trials, seed, workers, out, as_json, allow_code)
+        sharing = _sharing(workers, engine, scheduler)
+        given = (tuple(specs), tuple(_with_backend(settings, backend)), trials, seed, sharing, out, as_json, allow_code)
         code = run_experiments(Asked("experiments", *given))
     raise typer.Exit(code)
 

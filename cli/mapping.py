@@ -36,6 +36,7 @@ from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.maps import Cells, WantedAxis, axes_of, floating_cells, grid_settings, refused
 from graspdsl.trials.store import SPEC
+from graspdsl.trials.workers import Dask, Workers
 
 MOST_CELLS, MOST_ALONG = 100_000, 1000
 _AXIS = re.compile(r"(?P<name>[^=,:]+)(?:=(?P<low>[^:]+):(?P<high>[^:]+))?")
@@ -91,7 +92,7 @@ def make_map(
     settings: tuple[str, ...],
     *,
     contact: str | None,
-    workers: int | None,
+    workers: Workers,
     out: Path | None,
     as_json: bool,
     allow_code: bool = False,
@@ -100,6 +101,9 @@ def make_map(
     program = sound(spec, settings, allow_code=allow_code)
     source = program.source.text
     if not program.world.has("hand"):
+        if isinstance(workers, Dask):
+            message = "a map of floating contacts is made in one go, by this process: Dask has no part in it"
+            raise typer.BadParameter(message, param_hint="--engine")
         if_interrupted("nothing is kept of a map of floating contacts, which is made in one go: begin it again")
         with reading(str(spec), source):
             cells = _floating(program, axes, contact)
@@ -124,7 +128,7 @@ def make_map(
     return finish_map(begin("map", mapped, out), workers, as_json)
 
 
-def resume_map(path: Path, workers: int | None, as_json: bool, *, allow_code: bool = False) -> int:
+def resume_map(path: Path, workers: Workers, as_json: bool, *, allow_code: bool = False) -> int:
     """Finish the map in a folder and show it. Returns the exit code."""
     if_interrupted(kept("map", "--resume", str(path)))
     run = opened(path, allow_code=allow_code)
@@ -133,7 +137,7 @@ def resume_map(path: Path, workers: int | None, as_json: bool, *, allow_code: bo
     return finish_map(run, workers, as_json)
 
 
-def finish_map(run: Run, workers: int | None, as_json: bool) -> int:
+def finish_map(run: Run, workers: Workers, as_json: bool) -> int:
     """Run the trials of a map that are not finished, write its files and show it. Returns the exit code."""
     words = resuming("map", run.folder)
     with keeping(run.path, *words):

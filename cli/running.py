@@ -22,7 +22,7 @@ from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import INTERRUPTED, interruption
 from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
-from graspdsl.trials.workers import WorkerEndedError
+from graspdsl.trials.workers import WorkerEndedError, Workers
 
 RUNS = Path("runs")
 
@@ -61,7 +61,7 @@ def go_on(path: Path, spec: Path | None, *, allow_code: bool = False) -> Run:
     return run
 
 
-def finish(run: Run, workers: int | None, as_json: bool, *, page: bool) -> int:
+def finish(run: Run, workers: Workers, as_json: bool, *, page: bool) -> int:
     """Run what is not finished, show progress, then the summary; make its page if asked. Returns the exit code."""
     words = resuming("run", run.folder)
     with keeping(run.path, *words):
@@ -84,7 +84,7 @@ def keeping(path: Path, *command: str) -> Iterator[None]:
         raise DiagnosticError(faults, error.name, error.source) from None
 
 
-def carried_on(run: Run, workers: int | None, *command: str) -> int:
+def carried_on(run: Run, workers: Workers, *command: str) -> int:
     """Run what is not finished and show progress. Returns the exit code; ``command`` is the one that would go on."""
     folder, manifest = run.folder, run.folder.manifest
     with reading(str(folder.path)), folder.held():

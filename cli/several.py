@@ -15,6 +15,7 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, reading
 from graspdsl.trials.folders import fresh_folder, locked, made
 from graspdsl.trials.runner import new_run, pending
 from graspdsl.trials.store import MANIFEST
+from graspdsl.trials.workers import Dask, Workers
 
 ANOTHER = "name another folder with --out"
 
@@ -28,7 +29,7 @@ class Asked:
     settings: tuple[str, ...] = ()
     trials: int | None = None
     seed: int | None = None
-    workers: int | None = None
+    workers: Workers = None
     out: Path | None = None
     as_json: bool = False
     allow_code: bool = False
@@ -42,7 +43,12 @@ class Asked:
 
     def words(self, out: Path) -> list[str]:
         """The command that goes on with the runs in a folder."""
-        options = (("--trials", self.trials), ("--seed", self.seed), ("--workers", self.workers))
+        options: list[tuple[str, str | int | None]] = [("--trials", self.trials), ("--seed", self.seed)]
+        if isinstance(self.workers, Dask):
+            of_dask = ("--workers", self.workers.workers), ("--scheduler", self.workers.scheduler)
+            options += ("--engine", "dask"), *of_dask
+        else:
+            options += [("--workers", self.workers)]
         words = [self.command, *map(str, self.specs), *self.options]
         words += [word for name, value in options if value is not None for word in (name, str(value))]
         words += [word for setting in self.settings for word in ("--set", setting)]

@@ -31,7 +31,7 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder
 from graspdsl.trials.trajectories import Layout
-from graspdsl.trials.workers import WorkerEndedError
+from graspdsl.trials.workers import WorkerEndedError, Workers, sharing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,6 +50,8 @@ def run(
     trials: int | None = None,
     seed: int | None = None,
     workers: int | None = None,
+    engine: str = "local",
+    scheduler: str | None = None,
     out: Place | None = None,
     progress: bool | OnRecord = True,
     allow_code: bool = False,
@@ -57,25 +59,29 @@ def run(
     """Run the trials of a program, or of a spec file, and give back what came of them.
 
     trials, seed: in place of those of the spec. workers: how many processes share the trials, by default as many as are
-    worth it; the numbers do not depend on it, and a script needs no ``__main__`` guard. out: the run's folder, which
+    worth it; the numbers do not depend on it, and a script needs no ``__main__`` guard. engine: ``local``, or ``dask``
+    for the cluster of a Dask scheduler, named by its address or by its file (.json), or without one for a cluster of
+    ``workers`` on this machine. out: the run's folder, which
     must not be there or be empty; by default one that goes when the Run goes, unless :meth:`Run.save` keeps it.
     progress: a bar on stderr, none, or what is called with the record of each trial as it ends. allow_code: of a spec
     file, as for :func:`load`.
 
     Raises DiagnosticError where the spec has faults, where the folder cannot be written to, or when none of the first
-    trials could begin; WorkerEndedError when a worker is killed. After these, as after KeyboardInterrupt, the trials
-    that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker.
+    trials could begin, or where Dask's scheduler cannot be reached, goes away, or has workers with other versions;
+    WorkerEndedError when workers are killed one after the other. After these, as after KeyboardInterrupt, the trials
+    that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker, or
+    where engine, scheduler and workers do not go together.
     """
-    _checked(workers)
+    shared_by = _checked(workers, engine, scheduler)
     if not isinstance(program, Program):
         program = load(program, allow_code=allow_code)
     program = with_trials(program, trials, seed)
     if out is not None:
         with _told_how_to_go_on(Path(out)):
-            return _carried_on(_begun(Path(out), program), workers, progress)
+            return _carried_on(_begun(Path(out), program), shared_by, progress)
     passing = Path(mkdtemp(prefix="graspdsl-"))
     try:
-        made = _carried_on(_begun(passing / program.spec.name, program), workers, progress)
+        made = _carried_on(_begun(passing / program.spec.name, program), shared_by, progress)
     except BaseException as end:
         shutil.rmtree(passing, ignore_errors=True)
         if isinstance(end, STOPPED):
@@ -91,13 +97,19 @@ def _begun(place: Path, program: Program) -> Run:
 
 
 def resume(
-    path: Place, *, workers: int | None = None, progress: bool | OnRecord = True, allow_code: bool = False
+    path: Place,
+    *,
+    workers: int | None = None,
+    engine: str = "local",
+    scheduler: str | None = None,
+    progress: bool | OnRecord = True,
+    allow_code: bool = False,
 ) -> Run:
     """Run what is not finished of the run in a folder, as :func:`run` would have."""
-    _checked(workers)
+    shared_by = _checked(workers, engine, scheduler)
     begun = open_run(path, allow_code=allow_code)
     with _told_how_to_go_on(begun.path):
-        return _carried_on(begun, workers, progress)
+        return _carried_on(begun, shared_by, progress)
 
 
 def open_run(path: Place, *, allow_code: bool = False) -> Run:
@@ -122,7 +134,7 @@ def opened(path: Path, *, allow_code: bool = False) -> tuple[Run, list[Diagnosti
         return Run(folder, program), check_origin(folder, program)
 
 
-def _carried_on(begun: Run, workers: int | None, progress: bool | OnRecord) -> Run:
+def _carried_on(begun: Run, workers: Workers, progress: bool | OnRecord) -> Run:
     folder = begun.folder
     with reading(str(folder.path)), folder.held():
         finished = folder.finished()
@@ -138,9 +150,10 @@ def _carried_on(begun: Run, workers: int | None, progress: bool | OnRecord) -> R
     return begun
 
 
-def _checked(workers: int | None) -> None:
+def _checked(workers: int | None, engine: str, scheduler: str | None) -> Workers:
     if workers is not None and not 1 <= index(workers) <= MOST_WORKERS:
         raise ValueError(f"workers: expected from 1 to {MOST_WORKERS} processes, found {workers}")
+    return sharing(workers, engine, scheduler)
 
 
 @contextmanager

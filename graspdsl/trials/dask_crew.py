@@ -11,7 +11,7 @@ import queue
 import time
 import uuid
 from collections import deque
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
@@ -56,6 +56,7 @@ class DaskCrew:
         self._place, self._tell, self._crashed = place, on_drawing, on_crash
         self._run = f"graspdsl-{uuid.uuid4().hex}"
         self._client: Any = None
+        self._address = ""
         self._heard = queue.SimpleQueue[Any]()  # futures that are done, and drawings
         self._running: dict[str, tuple[Any, Sequence[int]]] = {}  # futures by their keys, with their trials
         self._left: Iterator[Sequence[int]] = iter(())
@@ -101,12 +102,12 @@ class DaskCrew:
                         threads_per_worker=1,
                         processes=True,
                         memory_limit=None,
-                        dashboard_address=None,
+                        dashboard_address=":0",
                         silence_logs=logging.CRITICAL,
                     )
                 stack.enter_context(cluster)
                 client = distributed.Client(cluster, set_as_default=False)
-            self._client = stack.enter_context(client)
+            self._client, self._address = stack.enter_context(client), client.scheduler.address
             self._check_versions()
             client.set_metadata([self._run], {JOB: pickle.dumps(self._job)})
             client.subscribe_topic(self._run, lambda event: self._heard.put(Drawing(*event[1])))
@@ -125,7 +126,15 @@ class DaskCrew:
 
     def _gone(self) -> DiagnosticError:
         """The complaint about a scheduler that has gone away."""
-        return self._unreached(f"the Dask scheduler {self._client.scheduler_info()['address']} has gone away")
+        return self._unreached(f"the Dask scheduler {self._address} has gone away")
+
+    @contextmanager
+    def _asking(self) -> Iterator[None]:
+        """Within, the scheduler is asked for something."""
+        try:
+            yield
+        except (OSError, importlib.import_module("distributed").CancelledError) as error:
+            raise self._gone() from error
 
     def _unreached(self, message: str) -> DiagnosticError:
         return DiagnosticError([Diagnostic("no-scheduler", message)])
@@ -140,19 +149,24 @@ class DaskCrew:
     def _check_versions(self) -> None:
         """Whether the workers that there are, and the scheduler, have what is here; by means that all of them have."""
         wanted, found = self._job.made_by, dict[str, dict[str, str]]()
-        for name in wanted:
-            there = self._client.run(metadata.version, name, on_error="return")
-            for address, version in there.items():
-                found.setdefault(address, {})[name] = version if isinstance(version, str) else ""
-        own = ""
-        with suppress(metadata.PackageNotFoundError):
-            own = self._client.run_on_scheduler(metadata.version, "graspdsl")
-        check({"the scheduler": {"graspdsl": own}, **_named(found)}, wanted)
+        with self._asking():
+            try:
+                own = self._client.run_on_scheduler(metadata.version, "graspdsl")
+            except metadata.PackageNotFoundError:
+                own = ""
+            found["the Dask scheduler"] = {"graspdsl": own}
+            for name in wanted:
+                there = self._client.run(metadata.version, name, on_error="return")
+                for address, version in there.items():
+                    of_worker = found.setdefault(f"the Dask worker {address}", {})
+                    of_worker[name] = version if isinstance(version, str) else ""
+        check(found, wanted)
 
     def _known(self) -> int:
         """How many workers the cluster has now, looked up now and then."""
         if time.monotonic() - self._counted > GLANCE:
-            self._workers, self._counted = len(self._client.nthreads()), time.monotonic()
+            with self._asking():
+                self._workers, self._counted = len(self._client.nthreads()), time.monotonic()
         return self._workers
 
     def _are_busy(self) -> bool:
@@ -170,13 +184,11 @@ class DaskCrew:
 
     def _done(self, future: Any) -> Iterator[PackedTrial]:
         _, numbers = self._running.pop(future.key)
-        try:
-            if future.status == "error":
-                found: list[PackedTrial] | Lost = self._failed(future.exception(), numbers)
-            else:
-                found = future.result(timeout=None)
-        except (OSError, importlib.import_module("distributed").CancelledError) as error:
-            raise self._gone() from error
+        if future.status == "error":
+            found: list[PackedTrial] | Lost = self._failed(future.exception(), numbers)
+        else:
+            with self._asking():
+                found = future.result()
         if not isinstance(found, Lost):
             self._fruitless = 0
             yield from found
@@ -194,12 +206,9 @@ class DaskCrew:
     def _failed(self, error: BaseException, numbers: Sequence[int]) -> Lost:
         """What is known of trials whose workers ended too often for Dask; raises any other error."""
         if isinstance(error, importlib.import_module("distributed").KilledWorker):
-            return Lost(tuple(self._client.get_metadata(entry_of(self._run, numbers), [])))
+            with self._asking():
+                return Lost(tuple(self._client.get_metadata(entry_of(self._run, numbers), [])))
         raise error
-
-
-def _named(found: Mapping[str, Mapping[str, str]]) -> dict[str, Mapping[str, str]]:
-    return {f"the worker {address}": versions for address, versions in found.items()}
 
 
 @contextmanager

@@ -11,13 +11,13 @@ import os
 import pickle
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from graspdsl.compiler.program import Program, Source, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
@@ -29,9 +29,6 @@ from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.workers import GLANCE, RUNS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 JOB = "job"  # what a run's entry at the scheduler has it under
 
@@ -139,7 +136,7 @@ def _kept_for(run: str, scheduler: Any, address: str) -> _Kept:
 
 
 def _made(run: str, job: Job, address: str) -> _Kept:
-    check({address: {name: _version(name) for name in job.made_by}}, job.made_by)
+    check({f"the Dask worker {address}": {name: _version(name) for name in job.made_by}}, job.made_by)
     folder = TemporaryDirectory(prefix="graspdsl-")
     for file in job.files:
         copy = Path(folder.name) / file.kept_as
@@ -160,12 +157,12 @@ def _made(run: str, job: Job, address: str) -> _Kept:
 
 def check(found: Mapping[str, Mapping[str, str]], wanted: Mapping[str, str]) -> None:
     """Raises DiagnosticError about the first process that has other versions than are wanted, or lacks one; found:
-    versions by addresses and names, empty for what is not installed."""
-    for address, versions in found.items():
+    versions by who has them and by names, empty for what is not installed."""
+    for who, versions in found.items():
         others = {name: version for name, version in versions.items() if version != wanted[name]}
         if others:
             has = listed(f"{name} {version}" if version else f"no {name}" for name, version in others.items())
-            message = f"{address} in this Dask cluster has {has}; here there is "
+            message = f"{who} has {has}; here there is "
             message += listed(f"{name} {wanted[name]}" for name in others)
             raise _differs(message, f"install there: {' '.join(f'{name}=={wanted[name]}' for name in others)}")
 
