@@ -141,7 +141,9 @@ class DaskCrew:
 
     def _leave(self) -> None:
         """Nobody waits for what is still running, nor asks for the run."""
-        with suppress(Exception):  # of a scheduler that is gone
+        if self._client.status != "running":
+            return
+        with suppress(OSError):  # of a scheduler that goes away now
             self._client.unsubscribe_topic(self._run)
             self._client.cancel([future for future, _ in self._running.values()], force=True)
             self._client.set_metadata([self._run], None)

@@ -34,8 +34,11 @@ from graspdsl.places.document import parse_document
 from graspdsl.places.fields import Model
 from graspdsl.places.files import SpecFolder
 from graspdsl.places.validation import validate_document
+from graspdsl.trials.dask_tasks import check
 from graspdsl.trials.replay import Replay
+from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
+from graspdsl.trials.workers import Dask, Workers
 from graspdsl.worlds.kinds import WORLDS, absence
 
 Said = Iterable[Diagnostic]
@@ -244,6 +247,15 @@ def _begins(height: float) -> Act:
     return lambda _: refused(lambda: g.run(g.loads(text), trials=1, workers=1, progress=False))
 
 
+def _shared_by(workers: Workers) -> Act:
+    program = checked(floating() + "trials: {count: 1}\n", "spec.yaml")
+    return lambda folder: refused(lambda: execute(new_run(folder / "shared", program), workers))
+
+
+def _has_numpy(version: str) -> Act:
+    return lambda _: refused(lambda: check({"the Dask worker": {"numpy": version}}, {"numpy": "2.3"}))
+
+
 def _made_with(package: str) -> Act:
     """A spec in the folder of a run that had a potential of a package."""
     held = {"kind": "potentials", "name": "φ_h", "distribution": package, "version": "1.0", "digest": "0"}
@@ -297,6 +309,8 @@ ARRANGED: Mapping[str, tuple[Act, Act]] = {
     "unknown-trial": (_trial(99), _trial(0)),
     "no-trial-begins": (_begins(-0.05), _begins(0.1)),
     "no-display": (_shown(""), _shown("seen")),
+    "no-scheduler": (_shared_by(Dask("cluster.json")), _shared_by(1)),
+    "workers-differ": (_has_numpy("2.2"), _has_numpy("2.3")),
     "engine-missing": (_engine("mujoco"), _engine("")),
     "not-installed": (_seen("film.mp4", "", "imageio_ffmpeg"), _seen("", "seen", "imageio_ffmpeg")),
     "site-not-made": (_site("raise SystemExit('no')"), _site("")),
