@@ -102,9 +102,15 @@ class PriorityLog:
             stage: TickRows(count, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
         }
 
-    def note(self, tick: int, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
-        """What a stage makes of T ticks in a row, the first of which is given, of M of the trials, (T, M, ...), and
-        what has become of what it made of the one before each."""
+    def begin(self, trials: Rows) -> None:
+        """Other trials begin at these places."""
+        self._stage[trials], self._latest = -1, None
+        for told in self._told.values():
+            told.clear(trials)
+
+    def note(self, tick: Rows, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
+        """What a stage makes of T ticks in a row, the first (M,) of which are given, of M of the trials, (T, M, ...),
+        and what has become of what it made of the one before each."""
         self._latest = None
         pipeline, count = self._pipelines[stage], len(seen.points)
         followed = (self._stage[trials] == stage) & (self._tick[trials] == tick - 1)
@@ -120,7 +126,7 @@ class PriorityLog:
         if followed.any():
             before = {name: values[trials[followed]][None] for name, values in noted.items()}
             after = {name: now[name][:1, followed] for name in _SEEN}
-            told.put(tick - 1, trials[followed], _told(pipeline.priorities, before, after))
+            told.put(tick[followed] - 1, trials[followed], _told(pipeline.priorities, before, after))
         if count > 1:
             before = {name: values[:-1] for name, values in now.items()}
             after = {name: now[name][1:] for name in _SEEN}

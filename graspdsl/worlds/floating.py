@@ -31,8 +31,11 @@ def slid(surface: Surface, points: Array, displacement: Array, normals: Array | 
     return surface.retract(points + (displacement - across))
 
 
-def sensed(surface: Surface, points: Array, time: float, weight: float, normals: Array | None = None) -> Observation:
-    """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. weight [N] of the object.
+def sensed(
+    surface: Surface, points: Array, time: float | Array, weight: float, normals: Array | None = None
+) -> Observation:
+    """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. time [s]: (...) of each trial;
+    weight [N] of the object.
 
     normals: the inward ones (..., k, 3), where they are known.
     """
@@ -114,12 +117,12 @@ class FloatingWorld:
         """Draw the contacts anew, evenly over the surface."""
         del start  # there is no hand to place
         self.close()
-        self._points = self._drawn(seed)
+        self._points, self._ticks = self._drawn(seed), np.zeros((), dtype=np.intp)
         self._normals = -self.surface.normals(self._points)
         return self.observe()
 
     def join(self, start: Start, seed: int) -> None:
-        """Draw the contacts of one more trial."""
+        """Draw the contacts of one more trial, which is beside the others from what is seen next on."""
         del start
         self._joining.append(self._drawn(seed)[None])
 
@@ -129,15 +132,14 @@ class FloatingWorld:
 
     def keep(self, rows: Rows) -> None:
         """The other trials are over."""
-        self._points, self._normals = self._points[rows], self._normals[rows]
+        self._points, self._normals, self._ticks = self._points[rows], self._normals[rows], self._ticks[rows]
 
     def step(self, command: Command) -> Observation:
-        """Move the contacts by a displacement (..., k, 3) [m]."""
+        """Move the contacts by a displacement (..., k, 3) [m], but for those of trials that have joined since."""
         if command.space != "x":
             raise ValueError(f"the floating world moves contacts (x), not {command.space}")
-        self._admit()
         self._slide(command.displacement)
-        self._ticks += 1
+        self._ticks = self._ticks + 1
         return self.observe()
 
     def _slide(self, displacement: Array) -> None:
@@ -183,12 +185,12 @@ class FloatingWorld:
     def witness(self, row: int) -> FloatingWorld:
         """One of the trials alone."""
         alone = copy.copy(self)
-        alone._points, alone._normals = self._points[row], self._normals[row]
+        alone._points, alone._normals, alone._ticks = self._points[row], self._normals[row], self._ticks[row]
         return alone
 
     def close(self) -> None:
         """No trials any more."""
-        self._ticks, self._joining = 0, list[Array]()
+        self._ticks, self._joining = np.zeros(0, dtype=np.intp), list[Array]()
         self._points = self._normals = np.zeros((0, len(self.info.contacts), 3))
         self._on_surface = False
 
@@ -200,6 +202,7 @@ class FloatingWorld:
             self._on_surface = False
             self._points = np.concatenate([self._points, joining])
             self._normals = np.concatenate([self._normals, -self.surface.normals(joining)])
+            self._ticks = np.concatenate([self._ticks, np.zeros(len(joining), dtype=np.intp)])
 
     def _drawn(self, seed: int) -> Array:
         return self.surface.sample(len(self.info.contacts), np.random.default_rng(seed))

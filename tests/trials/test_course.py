@@ -18,7 +18,7 @@ from worlds.floating_runs import ELLIPSOID_B, HOLD, RADIUS, SPHERE, contacts, en
 from graspdsl.compiler.pipeline import Ticks
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.spec.program import Until
-from graspdsl.trials.course import is_low, unmet
+from graspdsl.trials.end_conditions import is_low, unmet
 from graspdsl.trials.loop import TrialLoop, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial

@@ -163,9 +163,10 @@ class FingertipSensor(ABC):
         """The contact of a tip that touches, in the present reading."""
 
     @classmethod
-    def strengths_of(cls, sensors: Sequence[Self], step: int, frames: TipFrames) -> Array:
-        """The strengths (N, k) of N hands side by side."""
-        return np.array([sensor.strengths(step, frames.of(row)) for row, sensor in enumerate(sensors)])
+    def strengths_of(cls, sensors: Sequence[Self], steps: Sequence[int], frames: TipFrames) -> Array:
+        """The strengths (N, k) of N hands side by side, each at its own step."""
+        each = enumerate(zip(sensors, steps, strict=True))
+        return np.array([sensor.strengths(step, frames.of(row)) for row, (sensor, step) in each])
 
     @classmethod
     def contacts_of(cls, sensors: Sequence[Self], touching: Flags, frames: TipFrames) -> Array:
