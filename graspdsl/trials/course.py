@@ -6,6 +6,7 @@ What becomes of a trial does not depend on those beside it, to the last bit.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -51,7 +52,8 @@ class Course:
         self._stages, self._info, self.room, self._certifies = stages, info, room, trajectories
         self.trials = np.zeros(0, dtype=np.intp)
         grasps, pipelines = [phase.grasp for phase in program.phases], [stage.pipeline for stage in stages]
-        self.log = Logbook(grasps, pipelines, room, trajectories=trajectories)
+        ticks = math.ceil(sum(phase.limit for phase in program.spec.program) * info.rate) + 1
+        self.log = Logbook(grasps, pipelines, room, ticks, trajectories=trajectories)
         self._tick, self._at = np.zeros((2, room), dtype=np.intp)
         self.wall_s, self._deadline, self._held_from = np.zeros((3, room))
         self._touched = np.zeros(room, dtype=bool)

@@ -37,13 +37,15 @@ class Logbook:
         grasps: Sequence[ContactSet],
         pipelines: Sequence[Pipeline],
         count: int = 1,
+        ticks: int = 1,
         *,
         trajectories: bool = True,
     ) -> None:
-        """``grasps``: of the phases; ``pipelines``: of the stages; ``count``: how many places N there are."""
+        """``grasps``: of the phases; ``pipelines``: of the stages; ``count``: how many places N there are; ``ticks``:
+        how many a trial may have."""
         self._grasps, self._keeps, self.origins = grasps, trajectories, np.zeros((count, 3))
-        self._rows, self._exact = TickRows(count, np.float32), TickRows(count, np.float64)
-        self._priorities, self._ahead = PriorityLog(pipelines, count), Ahead(self._write_down)
+        self._rows, self._exact = TickRows(count, ticks, np.float32), TickRows(count, ticks, np.float64)
+        self._priorities, self._ahead = PriorityLog(pipelines, count, ticks), Ahead(self._write_down)
         self._touch_phase, self._phase = np.zeros((2, count), dtype=np.intp)
         self.first_touch, self.control_start, self.held_since, self.last = np.full((4, count), NEVER, dtype=np.intp)
         self.world_s, self.shift, self.lean = np.zeros((3, count))

@@ -107,15 +107,16 @@ class TrialLoop:
         identity_of, waiting, begun = identities(self._program, seed), iter(numbers), dict[int, _Begun]()
         try:
             while True:
-                if beside.free >= self.together * FREE or not begun:
-                    joined = list[_Begun]()
-                    for number in itertools.islice(waiting, beside.free):
-                        trial = _Begun(number, identity_of(number))
-                        failure = self._begin(trial, generator(seed, number), on_drawing)
-                        if failure is None:
-                            joined.append(trial)
-                        else:
-                            yield self._trial(trial, *self._failed(failure))
+                joined, places = list[_Begun](), beside.free
+                enough = places >= self.together * FREE or not begun
+                for number in itertools.islice(waiting, places) if enough else ():
+                    trial = _Begun(number, identity_of(number))
+                    failure = self._begin(trial, generator(seed, number), on_drawing)
+                    if failure is None:
+                        joined.append(trial)
+                    else:
+                        yield self._trial(trial, *self._failed(failure))
+                if joined:
                     begun |= dict(zip(beside.begin(len(joined)), joined, strict=True))
                 if not begun:
                     return

@@ -91,22 +91,22 @@ def level_names(priorities: Sequence[Priority]) -> list[str]:
 class PriorityLog:
     """What becomes of the priorities of N trials side by side. What becomes of a tick is known with the next one."""
 
-    def __init__(self, pipelines: Sequence[Pipeline], count: int) -> None:
-        """``pipelines``: by the numbers of their stages."""
+    def __init__(self, pipelines: Sequence[Pipeline], count: int, ticks: int = 1) -> None:
+        """``pipelines``: by the numbers of their stages; ``ticks``: how many a trial may have."""
         self._pipelines, self._count = pipelines, count
         self.levels = max((len(pipeline.priorities) for pipeline in pipelines), default=0)
         self._stage, self._tick = np.full((2, count), -1, dtype=np.intp)
         self._noted: dict[int, dict[str, Any]] = {}
         self._latest: tuple[tuple[int, int], list[_Course]] | None = None  # asked for last
         self._told = {
-            stage: TickRows(count, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
+            stage: TickRows(count, ticks, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
         }
 
     def begin(self, trials: Rows) -> None:
         """Other trials begin at these places."""
-        self._stage[trials], self._latest = -1, None
         for told in self._told.values():
-            told.clear(trials)
+            told.clear(trials, int(self._tick[trials].max()) + 1)
+        self._stage[trials], self._tick[trials], self._latest = -1, -1, None
 
     def note(self, tick: Rows, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
         """What a stage makes of T ticks in a row, the first (M,) of which are given, of M of the trials, (T, M, ...),

@@ -13,16 +13,16 @@ from graspdsl.compiler.pipeline import Ticks
 from graspdsl.trials.measures import GraspMeasure
 from graspdsl.worlds.protocol import Observation, Truth
 
-ROOM = 256  # ticks to begin with
 ENOUGH = 64  # rows, a tick of a trial each, that are worked on at once: more would be no faster
 Row = Mapping[str, Array | Flags]
 
 
 class TickRows:
-    """Arrays by name, (N, ticks, ...), that grow with the ticks; zeros where nothing was put."""
+    """Arrays by name, (N, ticks, ...), of so many trials and ticks, or more where there are; zeros where nothing was
+    put. They take of memory what was put."""
 
-    def __init__(self, count: int, kind: type[np.floating[Any]]) -> None:
-        self._count, self._kind = count, kind
+    def __init__(self, count: int, ticks: int, kind: type[np.floating[Any]]) -> None:
+        self._count, self._ticks, self._kind = count, ticks, kind
         self._arrays: dict[str, Any] = {}
 
     def put(self, tick: Rows, trials: Rows, row: Row) -> None:
@@ -32,16 +32,16 @@ class TickRows:
         for name, values in row.items():
             array = self._arrays.get(name)
             if array is None:
-                array = np.zeros((self._count, ROOM, *np.shape(values)[2:]), dtype=self._kind)
+                array = np.zeros((self._count, self._ticks, *np.shape(values)[2:]), dtype=self._kind)
             while end > array.shape[1]:
                 array = np.concatenate([array, np.zeros_like(array)], axis=1)
             array[trials, at] = values
             self._arrays[name] = array
 
-    def clear(self, trials: Rows) -> None:
-        """Zeros again."""
+    def clear(self, trials: Rows, ticks: int) -> None:
+        """Zeros again in the first of the ticks."""
         for array in self._arrays.values():
-            array[trials] = 0.0
+            array[trials, :ticks] = 0.0
 
     def of(self, trial: int, ticks: int) -> dict[str, Any]:
         """The arrays of a trial, (ticks, ...), each on its own."""
