@@ -74,8 +74,10 @@ class LoadCells(FingertipSensor):
         """Where the loads of tips act."""
         loads, tips = np.array([sensor.loads for sensor in sensors])[touching], np.nonzero(touching)[1]
         forces, from_centres, normals = loads[:, :3], np.empty((len(tips), 3)), np.empty((len(tips), 3))
-        for tip, surface in enumerate(sensors[0].surfaces):
-            if (chosen := tips == tip).any():
+        kinds = sensors[0].alike
+        for kind in set(kinds.tolist()):
+            surface, chosen = sensors[0].surfaces[kind], kinds[tips] == kind
+            if chosen.any():
                 from_centres[chosen] = surface.contacts(forces[chosen], loads[chosen, 3:])
                 normals[chosen] = surface.normals(from_centres[chosen])
         places = np.array([tip.centre for tip in sensors[0].hand.tips])[tips] + from_centres
