@@ -77,14 +77,14 @@ class _Begun:
 
 
 class TrialLoop:
-    """Runs trials of one program on one world, as many side by side as that runs well; a trial has so many draws to
-    find a start."""
+    """Runs trials of one program on one world, as many side by side as that runs well, of which so many are
+    ``running``; a trial has so many draws to find a start."""
 
     def __init__(self, program: Program, world: WitnessedWorld, most_draws: int = MOST_DRAWS) -> None:
         self._program = program
         self._world: ManyWorld = world if isinstance(world, ManyWorld) else Alone(world)
         self.together = together(program) if isinstance(world, ManyWorld) else 1
-        self._most_draws = most_draws
+        self.running, self._most_draws = 0, most_draws
         self._stages = stages_of(program)
         self._evaluation = Evaluation(program)
 
@@ -94,11 +94,12 @@ class TrialLoop:
         return trial
 
     def run_all(
-        self, numbers: Iterable[int], seed: int, on_drawing: OnDrawing | None = None
+        self, numbers: Iterable[int | None], seed: int, on_drawing: OnDrawing | None = None
     ) -> Generator[Trial, None, None]:
         """Run these trials, ``together`` of them side by side, the next as others end; each comes as it ends, and as it
         were without others.
 
+        numbers: they may come while others run; None where there is none yet, which is asked for again.
         on_drawing: is told now and then how many draws of a start a trial could not take up so far. The wall time of a
         trial beside others is an equal share of that of each tick.
         """
@@ -110,10 +111,13 @@ class TrialLoop:
                 joined, places = list[_Begun](), beside.free
                 enough = places >= self.together * FREE or not begun
                 for number in itertools.islice(waiting, places) if enough else ():
+                    if number is None:
+                        break
                     trial = _Begun(number, identity_of(number))
                     failure = self._begin(trial, generator(seed, number), on_drawing)
                     if failure is None:
                         joined.append(trial)
+                        self.running += 1
                     else:
                         yield self._trial(trial, *self._failed(failure))
                 if joined:
@@ -122,9 +126,11 @@ class TrialLoop:
                     return
                 for place, ended in beside.tick():
                     trial = begun.pop(place)
+                    self.running -= 1
                     trial.wall_s += float(course.wall_s[place])
                     yield self._trial(trial, *ended, course.log, place)
         finally:
+            self.running = 0
             self._world.close()
 
     def _begin(self, trial: _Begun, random: np.random.Generator, on_drawing: OnDrawing | None) -> Exception | None:

@@ -15,7 +15,7 @@ import threading
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -28,7 +28,7 @@ from graspdsl.objects.standing import pose_at_rest
 from graspdsl.plugins.answering import answered_for
 from graspdsl.trials.identity import identities, other_origin, other_plugins, versions
 from graspdsl.trials.interruption import SIGNALS, interruption
-from graspdsl.trials.loop import OnDrawing, together
+from graspdsl.trials.loop import OnDrawing, TrialLoop, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial, TrialRecord
 from graspdsl.trials.setup import trial_loop
@@ -36,7 +36,7 @@ from graspdsl.trials.store import Manifest, RunFolder
 
 OnTrial = Callable[[Trial], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
-AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
+AHEAD = 8  # trials that a worker knows of besides those it runs, so that it need not wait for the next
 GLANCE = 0.5  # s
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
@@ -109,13 +109,10 @@ def execute(
         if not numbers:
             return
         _can_be_run(program)
-        most = together(program)
         if workers is None:
             workers = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
         workers = min(workers, len(numbers))
-        rounds = math.ceil(len(numbers) / (workers * most))
-        size = math.ceil(len(numbers) / (workers * rounds))
-        batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
+        share = min(math.ceil(len(numbers) / workers), together(program) + AHEAD)
         began, seed = time.perf_counter(), folder.manifest.seed
 
         def spend() -> None:
@@ -126,7 +123,7 @@ def execute(
         if workers == 1:
             trials = _here(program, numbers, seed, tell)
         else:
-            trials = _elsewhere(folder, batches, seed, workers, tell)
+            trials = _elsewhere(folder, numbers, share, seed, workers, tell)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):
@@ -172,8 +169,8 @@ def _differs(manifest: Manifest, program: Program) -> Diagnostic:
 
 
 Worker = multiprocessing.process.BaseProcess
-Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here what comes of them
-Answer = Trial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
+Pipe = multiprocessing.connection.Connection  # numbers of trials to a worker; to here what comes of them
+Answer = Trial | tuple[int, int]  # or, as of OnDrawing, that one looks for a start
 
 
 def _work(pipe: Pipe, source: Source, seed: int) -> None:
@@ -183,14 +180,21 @@ def _work(pipe: Pipe, source: Source, seed: int) -> None:
         program = program_of(*source)
         with answered_for(program.plugins):
             loop = trial_loop(program)
-            while True:
-                for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
-                    pipe.send(trial)
-                pipe.send(None)
+            for trial in loop.run_all(_asked_for(pipe, loop), seed, functools.partial(_tell, pipe)):
+                pipe.send(trial)
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
             pipe.send(error)
+
+
+def _asked_for(pipe: Pipe, loop: TrialLoop) -> Iterator[int | None]:
+    """The numbers of trials for a loop, without end; None where there is none now, and others run meanwhile."""
+    while True:
+        if loop.running and not pipe.poll():
+            yield None
+        else:
+            yield from pipe.recv()
 
 
 def _tell(pipe: Pipe, number: int, draws: int) -> None:
@@ -211,34 +215,34 @@ def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) 
 
 
 def _elsewhere(
-    folder: RunFolder, batches: Iterable[Sequence[int]], seed: int, workers: int, tell: OnDrawing
+    folder: RunFolder, numbers: Sequence[int], share: int, seed: int, workers: int, tell: OnDrawing
 ) -> Generator[Trial, None, None]:
-    source, left = source_of(folder), iter(batches)
+    """share: how many trials a worker knows of."""
+    source, left = source_of(folder), iter(numbers)
     crew: dict[Pipe, Worker] = {}
-    waiting = 0  # batches given out that are not done
+    waiting = len(numbers)
 
-    def give(pipe: Pipe) -> int:
-        for batch in itertools.islice(left, 1):
+    def give(pipe: Pipe, count: int) -> None:
+        if more := list(itertools.islice(left, count)):
             with suppress(OSError):  # that it has ended is found when its trials are awaited
-                pipe.send(batch)
-            return 1
-        return 0
+                pipe.send(more)
 
     with interruption.at_the_end(lambda: _kill(crew)):
         for _ in range(workers):
             with interruption.whole():
                 pipe, worker = _started(source, seed)
                 crew[pipe] = worker
-        waiting = sum(give(pipe) for pipe in [*crew] * AHEAD)
+        for pipe in crew:
+            give(pipe, share)
         while waiting:
             # A signal just before a wait is heeded after it.
             for pipe in set(crew).intersection(multiprocessing.connection.wait(list(crew), timeout=GLANCE)):
                 answer = _received(pipe, crew[pipe])
-                if answer is None:
-                    waiting += give(pipe) - 1
-                elif isinstance(answer, tuple):
+                if isinstance(answer, tuple):
                     tell(*answer)
                 else:
+                    give(pipe, 1)
+                    waiting -= 1
                     yield answer
 
 
