@@ -49,8 +49,8 @@ class Setting:
     """What monitors know of N trials from their beginning on.
 
     ``palm``: the link that is the palm; lower, upper: (n,) limits of the joints [m or rad]; began: (N, n) where they
-    were, each once it has begun. ``curvature_radius`` [m] makes a length of a moment. ``probes``: whether a tick is a probe; rate: ticks a
-    second.
+    were, of each trial that has begun. ``curvature_radius`` [m] makes a length of a moment. ``probes``: whether a tick
+    is a probe; rate: ticks a second.
     """
 
     contacts: tuple[str, ...]
@@ -68,8 +68,8 @@ class Setting:
 class Sight:
     """What monitors see of M trials at one tick of a stage; ``rows`` (M,) are their places among the N.
 
-    time (M,) [s] of each; ``grasp``: the contacts that the stage is about. touching: (M, k) and ``touched``: (M,), whether all of
-    the grasp have touched in this stage, or had to before it. joints: (M, n) positions [m or rad]; stopped: (M, n),
+    time: (M,) [s]; ``grasp``: the contacts that the stage is about. touching: (M, k) and ``touched``: (M,), whether all
+    of the grasp have touched in this stage, or had to before it. joints: (M, n) positions [m or rad]; stopped: (M, n),
     those that are kept from going beyond a limit. links, table_links: for each trial, what presses on the object
     without being a fingertip, and what presses on the table. lean [rad] and shift [m] of the object since the start:
     (M,). force_residual (1), moment_residual [m]: (M,) norms of what they are in truth. met: (M,), whether the end

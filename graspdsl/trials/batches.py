@@ -67,5 +67,6 @@ class Alone:
 def led(alone: Batch) -> Batch:
     """What is of one trial, with a leading axis."""
     parts: dict[str, Any] = {field.name: getattr(alone, field.name) for field in dataclasses.fields(alone)}
-    led = {name: (part,) if isinstance(part, tuple) else np.asarray(part)[None] for name, part in parts.items()}
-    return dataclasses.replace(alone, **led)
+    for name, part in parts.items():
+        parts[name] = (part,) if isinstance(part, tuple) else np.asarray(part)[None]
+    return dataclasses.replace(alone, **parts)

@@ -28,8 +28,9 @@ class Logbook:
 
     Ticks count from 0, as the rows of a trajectory do; NEVER stands where there was none. ``first_touch``: the one at
     which every contact first touched; ``control_start``: at which the controller took over from the guarded close;
-    ``held_since``: from which on the end conditions have held; ``last``: the latest one. ``origins`` (N, 3) [m]: where the
-    objects were to begin with; ``shift`` [m] and ``lean`` [rad] of the object; ``world_s``: the world's time [s] at the last tick.
+    ``held_since``: from which on the end conditions have held; ``last``: the latest one. ``origins`` (N, 3) [m]:
+    where the objects were to begin with; ``shift`` [m] and ``lean`` [rad] of the object; ``world_s``: the world's time
+    [s] at the last tick.
     """
 
     def __init__(
@@ -62,8 +63,8 @@ class Logbook:
     def write(
         self, tick: Rows, trials: Rows, phase: int, stage: int, seen: Observation, truth: Truth, ticks: Ticks
     ) -> GraspMeasure:
-        """Write down a tick of M of the trials, by the number (M,) that it has for each; what stood there is overwritten, as the next controller sees the same
-        observation again. Returns the measures of their grasps."""
+        """Write down a tick of M of the trials, by the number (M,) that it has for each; what stood there is
+        overwritten, as the next controller sees the same observation again. Returns the measures of their grasps."""
         grasp = self._grasps[phase]
         now = measure(seen, truth, grasp)
         self._note_touch(tick, trials, phase, seen)

@@ -55,10 +55,10 @@ class SideBySide(Generic[Found]):
 
     def begin(self, count: int) -> list[int]:
         """So many have joined the world, one after the other: they begin at these places."""
-        places = np.setdiff1d(np.arange(self._course.room), self._places)[:count]
+        places: Rows = np.setdiff1d(np.arange(self._course.room), self._places)[:count]
         self._places = np.concatenate([self._places, places])
         self._course.begin(places)
-        return places.tolist()
+        return [int(place) for place in places]
 
     def run(self) -> Iterator[tuple[int, Found]]:
         """Go on until all are over: what :meth:`tick` returns, one after the other."""

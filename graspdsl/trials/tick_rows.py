@@ -58,9 +58,9 @@ class Told(NamedTuple):
 
 
 class Ahead:
-    """What is told of trials tick by tick, kept until it is worth working on: ``write`` gets M of the trials, the
-    first (M,) of T ticks in a row of each, their phase and stage, and what is told of them. Of few trials there are many ticks, of many
-    trials one.
+    """What is told of trials tick by tick, kept until it is worth working on: ``write`` gets the first (M,) of T
+    ticks in a row of each of M trials, their phase and stage, and what is told of them. Of few trials there are many
+    ticks, of many trials one.
     """
 
     def __init__(self, write: Callable[[Rows, Rows, int, int, Told], None]) -> None:

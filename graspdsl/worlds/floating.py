@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from graspdsl.arrays import Array, Rows
 from graspdsl.basis.algebra import along
@@ -17,7 +18,7 @@ from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.compiled import compiled
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import PARTIES, Command, Names, Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.protocol import PARTIES, Command, Names, Observation, Start, Time, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
 
@@ -31,9 +32,7 @@ def slid(surface: Surface, points: Array, displacement: Array, normals: Array | 
     return surface.retract(points + (displacement - across))
 
 
-def sensed(
-    surface: Surface, points: Array, time: float | Array, weight: float, normals: Array | None = None
-) -> Observation:
+def sensed(surface: Surface, points: Array, time: Time, weight: float, normals: Array | None = None) -> Observation:
     """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. time [s]: (...) of each trial;
     weight [N] of the object.
 
@@ -110,6 +109,7 @@ class FloatingWorld:
         none = np.zeros(0)
         self.info = WorldInfo(RATE, contacts, (), none, none)
         self.surface, self._weight, self._axis = surface, weight, np.array(axis)
+        self._ticks: npt.NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._on_surface = False  # to the last bit
         self.close()
 
@@ -117,7 +117,7 @@ class FloatingWorld:
         """Draw the contacts anew, evenly over the surface."""
         del start  # there is no hand to place
         self.close()
-        self._points, self._ticks = self._drawn(seed), np.zeros((), dtype=np.intp)
+        self._points, self._ticks = self._drawn(seed), np.asarray(0)
         self._normals = -self.surface.normals(self._points)
         return self.observe()
 

@@ -18,6 +18,7 @@ PARTIES = ("contacts", "links", "table", "gravity")
 """What acts on the object: fingertips, what else of the robot touches it, the table, its weight."""
 
 Found = TypeVar("Found")
+Time = Any  # [s], a number; of many trials, an array of one for each
 Names = tuple[Any, ...]  # of links or joints; of many trials, a tuple of names for each
 
 
@@ -67,7 +68,7 @@ class WorldInfo:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """One tick's sensing of k contacts and n joints, in the world frame; time [s] since the trial began.
+    """One tick's sensing of k contacts and n joints, in the world frame, at a time [s] from the trial's beginning on.
 
     points: (k, 3) contact points [m]; a contact that does not touch reports its fingertip's centre.
     normals: (k, 3) unit normals into the object; when it does not touch, that of the surface ahead where the sensor
@@ -78,7 +79,7 @@ class Observation:
     centre_of_mass: (3,) of the object [m] and weight: (3,) [N], known for an object that is held; else NaN.
     """
 
-    time: float | Array
+    time: Time
     points: Array
     normals: Array
     forces: Array

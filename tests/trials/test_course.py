@@ -23,7 +23,7 @@ from graspdsl.trials.loop import TrialLoop, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import settings_of, trial_loop
-from graspdsl.worlds.floating import Floating
+from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.mujoco.kind import Mujoco
 from graspdsl.worlds.mujoco.stage import MujocoStage
 from graspdsl.worlds.mujoco.stages import MujocoEngine
@@ -108,8 +108,10 @@ TOWEL_ROLL = program(
 
 @pytest.mark.slow
 def test_a_trial_of_rigid_bodies_is_the_same_to_the_last_bit_beside_others() -> None:
-    """With sensors that are random, and lifted at its end while others still run."""
-    found = {trial.record.number: timeless(trial) for trial in trial_loop(TOWEL_ROLL).run_all(range(3), 7)}
+    """With sensors that are random, and lifted at its end while others still run; the third begins where one ends."""
+    loop = trial_loop(TOWEL_ROLL)
+    loop.together = 2
+    found = {trial.record.number: timeless(trial) for trial in loop.run_all(range(3), 7)}
     assert found == {number: timeless(trial_loop(TOWEL_ROLL).run(number, 7)) for number in range(3)}
 
 
@@ -150,6 +152,23 @@ def test_trials_come_as_they_end() -> None:
     ticks = [len(trial.trajectory["time"]) for trial in trials]
     assert ticks == sorted(ticks)
     assert [trial.record.number for trial in trials] != list(range(12))
+
+
+def test_a_batch_stays_full_while_trials_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others begin at the places of those that end, several at once where there are many places."""
+    loop, rows, step = trial_loop(PROGRAMS[0]), list[int](), FloatingWorld.step
+    loop.together, places = 32, 30
+
+    def stepped(world: FloatingWorld, command: Command) -> Observation:
+        rows.append(len((seen := step(world, command)).time))
+        return seen
+
+    monkeypatch.setattr(FloatingWorld, "step", stepped)
+    ticks = [len(trial.trajectory["time"]) for trial in loop.run_all(range(96), 7)]
+    full = max(tick for tick, count in enumerate(rows) if count > places)
+    assert len(set(ticks)) > 1
+    assert min(rows[: full + 1]) > places
+    assert full > max(ticks)
 
 
 def test_trials_that_take_long_are_fewer_side_by_side() -> None:

@@ -15,8 +15,8 @@ from graspdsl.compiler.program import Program, program_of, program_of_expression
 from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.trials.batches import led
 from graspdsl.trials.priorities import CAP, CAUSES, LOWER, NOT_CARRIED_OUT, TOUCH, UNKNOWN, PriorityLog
-from graspdsl.trials.stages import stages_of
 from graspdsl.trials.setup import trial_loop, world_of
+from graspdsl.trials.stages import stages_of
 from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.floating import sensed, slid
 from graspdsl.worlds.protocol import Command, InfeasibleStartError, Observation, Start
