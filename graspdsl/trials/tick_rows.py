@@ -18,7 +18,7 @@ Row = Mapping[str, Array | Flags]
 
 
 class TickRows:
-    """Arrays by name, (N, ticks, ...), of so many trials and ticks, or more where there are; zeros where nothing was
+    """Arrays by name, (ticks, N, ...), of so many trials and ticks, or more where there are; zeros where nothing was
     put. They take of memory what was put."""
 
     def __init__(self, count: int, ticks: int, kind: type[np.floating[Any]]) -> None:
@@ -32,20 +32,20 @@ class TickRows:
         for name, values in row.items():
             array = self._arrays.get(name)
             if array is None:
-                array = np.zeros((self._count, self._ticks, *np.shape(values)[2:]), dtype=self._kind)
-            while end > array.shape[1]:
-                array = np.concatenate([array, np.zeros_like(array)], axis=1)
-            array[trials, at] = values
+                array = np.zeros((self._ticks, self._count, *np.shape(values)[2:]), dtype=self._kind)
+            while end > len(array):
+                array = np.concatenate([array, np.zeros_like(array)])
+            array[at, trials] = values
             self._arrays[name] = array
 
     def clear(self, trials: Rows, ticks: int) -> None:
         """Zeros again in the first of the ticks."""
         for array in self._arrays.values():
-            array[trials, :ticks] = 0.0
+            array[:ticks, trials] = 0.0
 
     def of(self, trial: int, ticks: int) -> dict[str, Any]:
         """The arrays of a trial, (ticks, ...), each on its own."""
-        return {name: array[trial, :ticks].copy() for name, array in self._arrays.items()} if ticks else {}
+        return {name: array[:ticks, trial].copy() for name, array in self._arrays.items()} if ticks else {}
 
 
 class Told(NamedTuple):
