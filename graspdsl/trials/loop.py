@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Sequence
@@ -109,10 +108,9 @@ class TrialLoop:
         try:
             while True:
                 joined, places = list[_Begun](), beside.free
-                enough = places >= self.together * FREE or not begun
-                for number in itertools.islice(waiting, places) if enough else ():
-                    if number is None:
-                        break
+                if begun and places < self.together * FREE:
+                    places = 0
+                while len(joined) < places and (number := next(waiting, None)) is not None:
                     trial = _Begun(number, identity_of(number))
                     failure = self._begin(trial, generator(seed, number), on_drawing)
                     if failure is None:

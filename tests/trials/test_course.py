@@ -27,7 +27,7 @@ from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.mujoco.kind import Mujoco
 from graspdsl.worlds.mujoco.stage import MujocoStage
 from graspdsl.worlds.mujoco.stages import MujocoEngine
-from graspdsl.worlds.protocol import Command, Observation
+from graspdsl.worlds.protocol import Command, InfeasibleStartError, Observation, Start
 from graspdsl.worlds.rigid.world import RigidWorld
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -169,6 +169,29 @@ def test_a_batch_stays_full_while_trials_wait(monkeypatch: pytest.MonkeyPatch) -
     assert len(set(ticks)) > 1
     assert min(rows[: full + 1]) > places
     assert full > max(ticks)
+
+
+class Refusing(FloatingWorld):
+    """A world that takes up no start but every fourth."""
+
+    asked = 0
+
+    def join(self, start: Start, seed: int) -> None:
+        """One more trial, maybe."""
+        self.asked += 1
+        if self.asked % 4:
+            raise InfeasibleStartError("not this one")
+        super().join(start, seed)
+
+
+def test_trials_that_cannot_begin_keep_no_other_from_it() -> None:
+    """Though they were to take all places."""
+    made = PROGRAMS[0]
+    world = Refusing(made.robot.contacts, made.body.shape.surface(), 1.0)
+    loop = TrialLoop(made, world, most_draws=1)
+    loop.together = 2
+    found = {trial.record.number: trial.record.has_begun for trial in loop.run_all(range(12), 7)}
+    assert found == {number: number % 4 == 3 for number in range(12)}
 
 
 def test_trials_that_take_long_are_fewer_side_by_side() -> None:
