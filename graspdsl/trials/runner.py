@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from collections import Counter
@@ -89,13 +88,9 @@ def execute(
         if not numbers:
             return
         _can_be_run(program)
-        most = together(program)
         if workers is None:
             workers = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
         workers = min(workers, len(numbers))
-        rounds = math.ceil(len(numbers) / (workers * most))
-        size = math.ceil(len(numbers) / (workers * rounds))
-        batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
         began, seed = time.perf_counter(), folder.manifest.seed
 
         def spend() -> None:
@@ -111,7 +106,8 @@ def execute(
             def crash(number: int, cause: str) -> PackedTrial:
                 return crashed(program, number, identity_of(number), cause).packed()
 
-            trials = Crew(source_of(folder), seed, workers, limit, tell, crash).run(batches)
+            crew = Crew(source_of(folder), seed, workers, together(program), limit, tell, crash)
+            trials = crew.run(numbers)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):
