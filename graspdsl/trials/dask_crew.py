@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import itertools
 import logging
+import math
 import pickle
 import queue
 import time
@@ -21,21 +22,20 @@ from graspdsl.compiler.program import Program, Source
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.dask_tasks import JOB, Job, Lost, check, entry_of, run_batch
 from graspdsl.trials.identity import versions
-from graspdsl.trials.loop import OnDrawing
+from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.workers import (
-    AHEAD,
     FRUITLESS,
     GLANCE,
     RUNS,
     Drawing,
     OnCrash,
     WorkerEndedError,
-    in_batches,
     sheltered,
     without_script,
 )
 
+AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 PATIENCE = 10  # s, for a scheduler to answer
 EXPECTED = 16  # workers, of a cluster that has none yet and may grow
 LOGGERS = ("distributed", "distributed.client")
@@ -53,6 +53,7 @@ class DaskCrew:
             raise DiagnosticError([Diagnostic("not-installed", "Dask needs distributed", hint=hint)])
         made_by, limit = versions(program), program.spec.trials.wall_limit
         self._job = Job(source, program.files, made_by, program.plugins, seed, limit)
+        self._most = together(program)
         self._place, self._tell, self._crashed = place, on_drawing, on_crash
         self._run = f"graspdsl-{uuid.uuid4().hex}"
         self._client: Any = None
@@ -65,14 +66,14 @@ class DaskCrew:
         self._workers, self._counted = 0, -GLANCE
         self._fruitless = 0
 
-    def run(self, numbers: Sequence[int], most: int) -> Generator[PackedTrial, None, None]:
-        """Run these trials, at most so many side by side; those of a batch come as it ends.
+    def run(self, numbers: Sequence[int]) -> Generator[PackedTrial, None, None]:
+        """Run these trials; those of a batch come as it ends.
 
         Raises DiagnosticError where the scheduler cannot be reached, or is no longer, and where workers have other
         versions; WorkerEndedError where workers end one after the other; and what goes wrong in one without ending it.
         """
         with self._connected():
-            self._left = in_batches(numbers, self._known() or EXPECTED, most)
+            self._left = _in_batches(numbers, self._known() or EXPECTED, self._most)
             while self._are_busy():
                 try:
                     heard = self._heard.get(timeout=GLANCE)
@@ -211,6 +212,14 @@ class DaskCrew:
             with self._asking():
                 return Lost(tuple(self._client.get_metadata(entry_of(self._run, numbers), [])))
         raise error
+
+
+def _in_batches(numbers: Sequence[int], workers: int, most: int) -> Iterator[Sequence[int]]:
+    """The numbers in parts of nearly equal length, at most so long, of which each of the workers gets as many."""
+    workers = min(workers, len(numbers))
+    rounds = math.ceil(len(numbers) / (workers * most))
+    size = math.ceil(len(numbers) / (workers * rounds))
+    return (numbers[first : first + size] for first in range(0, len(numbers), size))
 
 
 @contextmanager

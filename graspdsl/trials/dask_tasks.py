@@ -96,29 +96,28 @@ def run_batch(run: str, numbers: Sequence[int]) -> list[PackedTrial] | Lost:
 
         scheduler.set_metadata(entry, [*ends, f"the Dask worker {worker.address} is lost"])
         trials = list[PackedTrial]()
-        with _watching(limit, len(numbers), late) as watch, answered_for(kept.program.plugins):
+        with _watching(kept.loop, limit, late) as watch, answered_for(kept.program.plugins):
             for trial in kept.loop.run_all(numbers, kept.job.seed, tell):
                 trials.append(trial.packed(keep))
-                watch.heard, watch.left = time.monotonic(), watch.left - 1
+                watch.heard = time.monotonic()
         return trials
 
 
 @dataclass(slots=True)
 class _Watch:
-    """When the trials at work were last heard of [s], and how many are left."""
+    """When the trials at work were last heard of [s]."""
 
     heard: float
-    left: int
 
 
 @contextmanager
-def _watching(limit: float, count: int, late: Callable[[], object]) -> Iterator[_Watch]:
-    """Within, what nothing is heard of for longer than all trials that are left may take, [s] each, is late."""
-    watch, done = _Watch(time.monotonic(), count), threading.Event()
+def _watching(loop: TrialLoop, limit: float, late: Callable[[], object]) -> Iterator[_Watch]:
+    """Within, trials that nothing is heard of for longer than all of them may take, [s] each, are late."""
+    watch, done = _Watch(time.monotonic()), threading.Event()
 
     def look() -> None:
         while not done.wait(GLANCE):
-            if watch.left and time.monotonic() - watch.heard > limit * watch.left:
+            if time.monotonic() - watch.heard > limit * max(loop.running, 1):
                 late()
 
     threading.Thread(target=look, daemon=True).start()

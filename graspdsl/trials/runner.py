@@ -88,7 +88,6 @@ def execute(
         if not numbers:
             return
         _can_be_run(program)
-        most = together(program)
         count = workers.workers if isinstance(workers, Dask) else workers
         if count is None:
             count = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
@@ -109,11 +108,12 @@ def execute(
             from graspdsl.trials.dask_crew import DaskCrew
 
             place = workers.scheduler or count
-            trials = DaskCrew(program, source_of(folder), seed, place, tell, crash).run(numbers, most)
+            trials = DaskCrew(program, source_of(folder), seed, place, tell, crash).run(numbers)
         elif count == 1:
             trials = _here(program, numbers, seed, tell)
         else:
-            trials = Crew(source_of(folder), seed, count, limit, tell, crash).run(numbers, most)
+            crew = Crew(source_of(folder), seed, count, together(program), limit, tell, crash)
+            trials = crew.run(numbers)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):

@@ -34,11 +34,11 @@ from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.setup import trial_loop
 
 ENGINES = ("local", "dask")
-AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
+AHEAD = 8  # trials that a worker knows of besides those it runs, so that it need not wait for the next
 GLANCE = 0.5  # s
 RUNS = 2  # of a trial that kills its worker
 FRUITLESS = 10  # workers that may die one after the other before any trial is finished
-GROWN, SPARE = 2.0, 256e6  # a worker that needs more than so many times, and bytes, of its first batch is replaced
+GROWN, SPARE = 2.0, 256e6  # one that needs more than so many times, and bytes, of what it did at first is replaced
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
 OnCrash = Callable[[int, str], PackedTrial]  # what is kept of a trial, by its number, and of what ended its process
@@ -70,14 +70,6 @@ def sharing(workers: int | None, engine: str, scheduler: str | None) -> Workers:
     return Dask(scheduler)
 
 
-def in_batches(numbers: Sequence[int], workers: int, most: int) -> Iterator[Sequence[int]]:
-    """The numbers in parts of nearly equal length, at most so long, of which each of the workers gets as many."""
-    workers = min(workers, len(numbers))
-    rounds = math.ceil(len(numbers) / (workers * most))
-    size = math.ceil(len(numbers) / (workers * rounds))
-    return (numbers[first : first + size] for first in range(0, len(numbers), size))
-
-
 class WorkerEndedError(Exception):
     """Worker processes end before any trial does; ``from_outside`` when somebody or the system stops them, or may have
     done so."""
@@ -103,31 +95,40 @@ class Drawing(NamedTuple):
 
 
 class Ready(NamedTuple):
-    """A process has made its world; or its batch is done, and ``retires`` tells whether it ends with that."""
-
-    retires: bool
+    """A process has made its world."""
 
 
-Message = Finished | Drawing | Ready
+class Retired(NamedTuple):
+    """A process has ended its trials and begins no more, since it needs much more memory than it did."""
+
+
+Message = Finished | Drawing | Ready | Retired
 Process = multiprocessing.process.BaseProcess
-Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here messages, or an exception
+Pipe = multiprocessing.connection.Connection  # numbers of trials to a worker; to here messages, or an exception
 
 
 def _work(pipe: Pipe, source: Source, seed: int) -> None:
     """What a worker process does, until it is killed or needs much more memory than it did."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    enough = math.inf
+
+    def asked_for() -> Iterator[int | None]:
+        """The numbers of trials; None where there is none now, and others run meanwhile."""
+        while _memory() <= enough:
+            if loop.running and not pipe.poll():
+                yield None
+            else:
+                yield from pipe.recv()
+
     try:
         program = program_of(*source)
         with answered_for(program.plugins):
             loop, keep = trial_loop(program), program.spec.trials.keep
-            pipe.send(Ready(retires=False))
-            enough, retires = 0.0, False
-            while not retires:
-                for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
-                    pipe.send(Finished(trial.packed(keep), _memory()))
-                enough = enough or GROWN * _memory() + SPARE
-                retires = _memory() > enough
-                pipe.send(Ready(retires))
+            pipe.send(Ready())
+            for trial in loop.run_all(asked_for(), seed, functools.partial(_tell, pipe)):
+                pipe.send(Finished(trial.packed(keep), _memory()))
+                enough = min(enough, GROWN * _memory() + SPARE)
+            pipe.send(Retired())
     except Exception as error:
         error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
         with suppress(OSError):  # nobody is there any more
@@ -157,14 +158,17 @@ def _end_with_parent() -> None:
 
 @dataclass(slots=True)
 class _Worker:
-    """A process, and the numbers of the trials that were given to it and that it has not finished, by batches.
+    """A process, and the numbers of the trials that it knows of and has not finished, in the order in which it begins
+    them.
 
-    ``heard``: when it last said something [s]; ``memory`` [bytes]: the most that it has told of; ``is_late``: whether
-    it was killed since it said nothing for too long.
+    ``alone``: whether it runs a suspect, and no other trial beside it; ``heard``: when it last said something [s];
+    ``memory``: the most that it has told of [bytes]; ``is_late``: whether it was killed since it said nothing for too
+    long.
     """
 
     process: Process
-    batches: deque[list[int]] = field(default_factory=deque)
+    numbers: list[int] = field(default_factory=list)
+    alone: bool = False
     is_ready: bool = False
     heard: float = field(default_factory=time.monotonic)
     memory: float = 0.0
@@ -172,54 +176,69 @@ class _Worker:
 
 
 class Crew:
-    """So many workers, to run the trials of a run. ``limit`` [s]: of wall time that a trial may take by itself."""
+    """So many workers, each of which runs so many trials ``together``. ``limit`` [s]: of wall time that a trial may
+    take by itself."""
 
     def __init__(
-        self, source: Source, seed: int, workers: int, limit: float, on_drawing: OnDrawing, on_crash: OnCrash
+        self,
+        source: Source,
+        seed: int,
+        workers: int,
+        together: int,
+        limit: float,
+        on_drawing: OnDrawing,
+        on_crash: OnCrash,
     ) -> None:
-        self._source, self._seed, self._count, self._limit = source, seed, workers, limit
-        self._tell, self._crashed = on_drawing, on_crash
+        self._source, self._seed, self._count, self._together = source, seed, workers, together
+        self._limit, self._tell, self._crashed = limit, on_drawing, on_crash
         self._workers: dict[Pipe, _Worker] = {}
-        self._left: Iterator[list[int]] = iter(())
+        self._left: Iterator[int] = iter(())
         self._suspects: deque[int] = deque()  # trials whose worker ended
         self._ends: Counter[int] = Counter()  # of workers, by the trials that they were at
         self._fruitless = 0
 
-    def run(self, numbers: Sequence[int], most: int) -> Generator[PackedTrial, None, None]:
-        """Run these trials, at most so many side by side; each comes as it ends.
+    def run(self, numbers: Sequence[int]) -> Generator[PackedTrial, None, None]:
+        """Run these trials; each comes as it ends.
 
         Raises WorkerEndedError where workers die one after the other, and what goes wrong in one without ending it.
         """
-        self._left = map(list, in_batches(numbers, self._count, most))
+        self._left, waiting = iter(numbers), len(numbers)
+        share = min(math.ceil(len(numbers) / self._count), self._together + AHEAD)
         with interruption.at_the_end(self._kill):
-            while self._are_busy():
+            while waiting:
+                self._give(share)
                 # A signal just before a wait is heeded after it.
                 heard = multiprocessing.connection.wait(list(self._workers), timeout=GLANCE)
                 for pipe in set(self._workers).intersection(heard):
-                    yield from self._heard(pipe)
+                    for trial in self._heard(pipe):
+                        waiting -= 1
+                        yield trial
                 self._kill_late()
 
-    def _are_busy(self) -> bool:
-        """Whether any worker has trials, once all have been given some."""
-        while len(self._workers) < self._count and (batch := self._next()):
+    def _give(self, share: int) -> None:
+        """Let as many work as there are workers, and each know of so many trials; one that is at a suspect, of no
+        other."""
+        while len(self._workers) < self._count and (more := self._next(share, begins=True)):
             with interruption.whole():
                 pipe, process = _started(self._source, self._seed)
                 self._workers[pipe] = _Worker(process)
-            self._give(pipe, batch)
-        for ahead in range(AHEAD):
-            for pipe, worker in self._workers.items():
-                if len(worker.batches) == ahead and (batch := self._next(alone=not ahead)):
-                    self._give(pipe, batch)
-        return any(worker.batches for worker in self._workers.values())
+            self._send(pipe, more)
+        for pipe, worker in self._workers.items():
+            worker.alone = worker.alone and bool(worker.numbers)
+            count = share - len(worker.numbers)
+            if count and not worker.alone and (more := self._next(count, begins=not worker.numbers)):
+                self._send(pipe, more)
 
-    def _next(self, *, alone: bool = True) -> list[int] | None:
-        """The next batch; ``alone``: it may be a suspect, which no other trial is to be suspected with."""
-        return [self._suspects.popleft()] if alone and self._suspects else next(self._left, None)
+    def _next(self, count: int, *, begins: bool) -> list[int]:
+        """So many trials for a worker, if there are as many left; a suspect for one that ``begins``, if there is."""
+        return [self._suspects.popleft()] if begins and self._suspects else list(itertools.islice(self._left, count))
 
-    def _give(self, pipe: Pipe, batch: list[int]) -> None:
-        self._workers[pipe].batches.append(batch)
+    def _send(self, pipe: Pipe, numbers: list[int]) -> None:
+        worker = self._workers[pipe]
+        worker.numbers += numbers
+        worker.alone = numbers[0] in self._ends
         with suppress(OSError):  # that it has ended is found when its trials are awaited
-            pipe.send(batch)
+            pipe.send(numbers)
 
     def _heard(self, pipe: Pipe) -> Iterator[PackedTrial]:
         worker = self._workers[pipe]
@@ -236,20 +255,18 @@ class Crew:
                 self._tell(number, draws)
             case Finished(trial, memory):
                 worker.memory, self._fruitless = memory, 0
-                worker.batches[0].remove(trial.record.number)
+                worker.numbers.remove(trial.record.number)
                 yield trial
-            case Ready(retires):
-                if worker.is_ready:
-                    worker.batches.popleft()
+            case Ready():
                 worker.is_ready = True
-                if retires:
-                    self._left = itertools.chain(self._buried(pipe).batches, self._left)
+            case Retired():
+                self._left = itertools.chain(self._buried(pipe).numbers, self._left)
 
     def _ended(self, pipe: Pipe) -> Iterator[PackedTrial]:
         """What becomes of the trials of a worker that has ended."""
         worker = self._buried(pipe)
-        running = worker.batches.popleft() if worker.is_ready and worker.batches else []
-        self._left = itertools.chain(worker.batches, self._left)
+        running = self._running(worker)
+        self._left = itertools.chain(worker.numbers[len(running) :], self._left)
         self._fruitless += 1
         if self._fruitless == FRUITLESS:
             raise WorkerEndedError(self._cause(worker), worker.process.exitcode)
@@ -259,6 +276,10 @@ class Crew:
                 self._suspects.append(number)
             else:
                 yield self._crashed(number, f"its process ended, {RUNS} times: {self._cause(worker)}")
+
+    def _running(self, worker: _Worker) -> list[int]:
+        """The trials that a worker may be at."""
+        return worker.numbers[: self._together] if worker.is_ready else []
 
     def _buried(self, pipe: Pipe) -> _Worker:
         worker = self._workers.pop(pipe)
@@ -278,8 +299,8 @@ class Crew:
         """Kill workers that have said nothing for longer than all trials that they are at may take."""
         now = time.monotonic()
         for worker in self._workers.values():
-            running = len(worker.batches[0]) if worker.is_ready and worker.batches else 0
-            if running and now - worker.heard > self._limit * running:
+            running = self._running(worker)
+            if running and now - worker.heard > self._limit * len(running):
                 worker.is_late = True
                 worker.process.kill()
 

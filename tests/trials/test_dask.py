@@ -88,7 +88,7 @@ def test_a_trial_that_ends_or_stops_its_process_has_crashed(cluster: Any, tmp_pa
 
 
 def test_a_scheduler_that_goes_away_leaves_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("graspdsl.trials.runner.together", lambda _: 10)
+    monkeypatch.setattr("graspdsl.trials.dask_crew.together", lambda _: 10)
     place = tmp_path / "scheduler.json"
     options = ("--scheduler-file", str(place), "--no-dashboard", "--host", "127.0.0.1")
     program, dask = floats(60), (sys.executable, "-m", "dask")
@@ -130,7 +130,7 @@ def test_workers_with_other_versions_are_refused(
 
 def test_without_distributed_it_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(DiagnosticError, match="^Dask needs distributed$") as caught:
+    with pytest.raises(DiagnosticError, match=r"^Dask needs distributed$") as caught:
         execute(new_run(tmp_path / "run", floats(4)), Dask(workers=1))
     assert caught.value.diagnostics[0].hint == "pip install 'graspdsl[dask]'; or leave --engine out"
 
@@ -140,5 +140,5 @@ def test_who_shares_trials() -> None:
     assert sharing(2, "dask", None) == Dask(workers=2)
     assert sharing(None, "dask", "tcp://there:8786") == Dask("tcp://there:8786")
     for given in ((None, "local", "tcp://there:8786"), (2, "dask", "tcp://there:8786"), (None, "slurm", None)):
-        with pytest.raises(ValueError, match="scheduler|engine"):
+        with pytest.raises(ValueError, match=r"scheduler|engine"):
             sharing(*given)
