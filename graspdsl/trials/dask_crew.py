@@ -7,6 +7,7 @@ import importlib.util
 import itertools
 import logging
 import math
+import os
 import pickle
 import queue
 import time
@@ -15,6 +16,7 @@ from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import metadata
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +99,7 @@ class DaskCrew:
             else:
                 # Processes that it starts later are to be as those that it starts now.
                 stack.enter_context(without_script())
+                _track_silently()
                 with sheltered():
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
@@ -220,6 +223,14 @@ def _in_batches(numbers: Sequence[int], workers: int, most: int) -> Iterator[Seq
     rounds = math.ceil(len(numbers) / (workers * most))
     size = math.ceil(len(numbers) / (workers * rounds))
     return (numbers[first : first + size] for first in range(0, len(numbers), size))
+
+
+def _track_silently() -> None:
+    """Begin Python's tracker of semaphores as one that does not complain of those that a signal leaves to it."""
+    told = os.environ.get("PYTHONWARNINGS", "")
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, (told, "ignore:resource_tracker")))
+    resource_tracker.ensure_running()
+    os.environ["PYTHONWARNINGS"] = told  # of which an empty one is none
 
 
 @contextmanager
