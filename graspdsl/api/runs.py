@@ -68,9 +68,9 @@ def run(
 
     Raises DiagnosticError where the spec has faults, where the folder cannot be written to, or when none of the first
     trials could begin, or where Dask's scheduler cannot be reached, goes away, or has workers with other versions;
-    WorkerEndedError when workers are killed one after the other. After these, as after KeyboardInterrupt, the trials
-    that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker, or
-    where engine, scheduler and workers do not go together.
+    WorkerEndedError where workers end one after the other. After these, as after KeyboardInterrupt, the trials that
+    were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker, or where
+    engine, scheduler and workers do not go together.
     """
     shared_by = _checked(workers, engine, scheduler)
     if not isinstance(program, Program):
