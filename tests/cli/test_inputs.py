@@ -230,7 +230,18 @@ UNNAMED = {"numpy.random", "graspdsl.quality.grades", "graspdsl.models.reading",
 def test_what_reads_and_tells_loads_no_simulator_no_figures_and_no_store(
     command: tuple[str, ...], besides: set[str]
 ) -> None:
-    heavy = {"pybullet", "mujoco", "jax", "casadi", "trimesh", "matplotlib", "scipy", "sqlite3", "multiprocessing", *besides}
+    heavy = {
+        "pybullet",
+        "mujoco",
+        "jax",
+        "casadi",
+        "trimesh",
+        "matplotlib",
+        "scipy",
+        "sqlite3",
+        "multiprocessing",
+        *besides,
+    }
     code = f"""
 import sys
 from graspdsl.cli import main
