@@ -282,6 +282,20 @@ def report(
 
 
 @app.command()
+def runs(
+    folder: Annotated[
+        Path, typer.Argument(parser=named, metavar="FOLDER", help="Where the runs are; by default runs/.")
+    ] = Path("runs"),
+    as_json: AsJson = False,
+) -> None:
+    """List the runs in a folder: of what, how far, how many converged, and whether one runs now."""
+    with answering(as_json):
+        from graspdsl.cli.run_list import show_runs
+
+        show_runs(folder, as_json)
+
+
+@app.command()
 def compare(
     folders: Annotated[
         list[Path], typer.Argument(parser=named, metavar="RUN RUN", help="Folders of runs; the first is the measure.")

@@ -128,6 +128,15 @@ class RunFolder:
     @classmethod
     def open(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
         """The run in a folder. Raises DiagnosticError when there is none."""
+        folder = cls.at(path, allow_code=allow_code)
+        if not folder.manifest.plugins:  # which may have outcomes and grades that are known once the spec is read
+            folder.records()
+        return folder
+
+    @classmethod
+    def at(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
+        """The run in a folder, of which nothing but the manifest has been read. Raises DiagnosticError when there is
+        none."""
         try:
             manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
         except (DiagnosticError, ValueError) as error:
@@ -135,10 +144,7 @@ class RunFolder:
             if _is_missing(path):
                 raise _refused("folder-not-found", "there is no such folder", hint) from error
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
-        folder = cls(path, manifest, allow_code=allow_code)
-        if not manifest.plugins:  # which may have outcomes and grades that are known once the spec is read
-            folder.records()
-        return folder
+        return cls(path, manifest, allow_code=allow_code)
 
     @property
     def files(self) -> Path:
@@ -201,6 +207,10 @@ class RunFolder:
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
         return [self._record(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
+
+    def outcomes(self) -> dict[str, int]:
+        """How many of the trials in the table ended in which way, counted without a look at what else they hold."""
+        return dict(self._read("SELECT outcome, count(*) FROM trials GROUP BY outcome"))
 
     def identities(self) -> dict[int, str]:
         """The identities of the trials in the table, by number."""
