@@ -296,6 +296,31 @@ def runs(
 
 
 @app.command()
+def export(
+    run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    to: Annotated[
+        Path, typer.Option(parser=named, metavar="FILE", help="A .csv, .jsonl, .parquet or .npz file; - is stdout.")
+    ] = Path("-"),
+    what: Annotated[
+        str, typer.Option(metavar="TABLE", help="trials, trajectory, or a table of its report: summary, modes, …")
+    ] = "trials",
+    trial: Annotated[int | None, typer.Option(min=0, help="Of which trial, of a trajectory.")] = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--format", metavar="csv|jsonl|parquet|npz", help="By default what the file's name ends with."),
+    ] = None,
+    allow_code: AllowCode = False,
+) -> None:
+    """Write a run's trials, a trajectory or a table of its report for other programs, with units."""
+    if (what == "trajectory") != (trial is not None):
+        raise typer.BadParameter("a trajectory is of one trial: --what trajectory --trial N", param_hint="--trial")
+    with answering():
+        from graspdsl.cli.exporting import export_run
+
+        export_run(run, to, what, trial, form, allow_code=allow_code)
+
+
+@app.command()
 def compare(
     folders: Annotated[
         list[Path], typer.Argument(parser=named, metavar="RUN RUN", help="Folders of runs; the first is the measure.")
