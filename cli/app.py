@@ -321,6 +321,24 @@ def export(
 
 
 @app.command()
+def doctor(
+    run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    repair: Annotated[
+        bool,
+        typer.Option("--repair", help="Remove what is damaged, so that run --resume runs it again; mend what can be."),
+    ] = False,
+    as_json: AsJson = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Say what of a run is whole, and mend what can be mended."""
+    with answering(as_json):
+        from graspdsl.cli.doctoring import show_health
+
+        code = show_health(run, as_json, repair=repair, allow_code=allow_code)
+    raise typer.Exit(code)
+
+
+@app.command()
 def compare(
     folders: Annotated[
         list[Path], typer.Argument(parser=named, metavar="RUN RUN", help="Folders of runs; the first is the measure.")

@@ -93,7 +93,8 @@ def as_parquet(columns: Columns) -> bytes:
 def as_npz(columns: Columns) -> bytes:
     """Numpy's file of arrays by name."""
     stream = io.BytesIO()
-    np.savez_compressed(stream, **{name: column.values for name, column in columns.items()})
+    arrays: dict[str, Any] = {name: column.values for name, column in columns.items()}
+    np.savez_compressed(stream, **arrays)
     return stream.getvalue()
 
 

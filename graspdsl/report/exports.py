@@ -102,7 +102,7 @@ def columns_of_trajectory(program: Program, rows: Mapping[str, Float32Array]) ->
             unit = slides.get(parts[0], channel.unit) if channel.axes == (JOINTS,) else channel.unit
             if name == "loads":
                 unit = "N" if parts[1].startswith("f") else "N·m"
-            found[".".join((name, *parts))] = Column(values[(slice(None), *place)], unit)
+            found[".".join((name, *parts))] = Column(values[:, *place], unit)
     return found
 
 
