@@ -360,6 +360,20 @@ def compare(
 
 
 @app.command()
+def diff(
+    first: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    second: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of another.")],
+    as_json: AsJson = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Say what differs between two runs before any trial: their specs, versions, plug-ins and files."""
+    with answering(as_json):
+        from graspdsl.cli.differing import show_differences
+
+        show_differences((first, second), as_json, allow_code=allow_code)
+
+
+@app.command()
 def experiments(
     specs: Annotated[
         list[Path], typer.Argument(parser=named, metavar="SPEC", help="Specs of the chapter's experiments.")
