@@ -296,6 +296,18 @@ def runs(
 
 
 @app.command()
+def rm(
+    folders: Annotated[list[Path], typer.Argument(parser=named, metavar="RUN", help="Folders of runs.")],
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+) -> None:
+    """Remove runs: what they are made of, and nothing else that is in their folders."""
+    with answering():
+        from graspdsl.cli.removing import remove_runs
+
+        remove_runs(folders, sure=yes)
+
+
+@app.command()
 def export(
     run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
     to: Annotated[

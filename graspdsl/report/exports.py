@@ -97,12 +97,12 @@ def columns_of_trajectory(program: Program, rows: Mapping[str, Float32Array]) ->
     for name, values in rows.items():
         channel = CHANNELS[name]
         axes = [_places(program, name, axis, size) for axis, size in zip(channel.axes, values.shape[1:], strict=True)]
-        for place in product(*(range(len(axis)) for axis in axes)):
-            parts = [axis[index] for axis, index in zip(axes, place, strict=True)]
+        flat = values.reshape(len(values), math.prod(values.shape[1:]))
+        for place, parts in enumerate(product(*axes)):
             unit = slides.get(parts[0], channel.unit) if channel.axes == (JOINTS,) else channel.unit
             if name == "loads":
                 unit = "N" if parts[1].startswith("f") else "N·m"
-            found[".".join((name, *parts))] = Column(values[:, *place], unit)
+            found[".".join((name, *parts))] = Column(flat[:, place], unit)
     return found
 
 
