@@ -26,7 +26,7 @@ SECTIONS = {
     "start_up": "Start-up",
     "bullet_effort": "Bullet: effort against what comes out",
 }
-LIBRARIES = ("numpy", "scipy", "mujoco", "pybullet", "jax", "mink", "pin-pink", "daqp", "pydantic", "typer")
+LIBRARIES = ("numpy", "scipy", "mujoco", "pybullet", "jax", "casadi", "mink", "pin-pink", "daqp", "pydantic", "typer")
 
 
 def main(chosen: Sequence[str]) -> None:

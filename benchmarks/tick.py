@@ -8,6 +8,7 @@ import importlib
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from measuring import Row, in_turn, medians, ratio_of
 
 from graspdsl.api.examples import example_of
 from graspdsl.arrays import Array
+from graspdsl.backends import BACKENDS
+from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.worlds.mujoco.meshes import spec_of
 from graspdsl.worlds.protocol import Observation
@@ -27,32 +30,33 @@ SPEC = Path(__file__).resolve().parents[1] / "specs" / "chapter" / "4_31_slide_t
 ROUNDS, EACH = 150, 10
 SOLVER, POSTURE = "daqp", 1e-2  # the cost of the posture, where a fingertip's place costs one
 FORWARD = np.array([0.0, 0.0, 5e-4])  # m, to where a fingertip shall go
-PEERS = {"mink": "≤ 0.8", "pink": "≤ 0.7"}
+BOUNDS = ("≤ 1.3", "≤ 0.8", "≤ 0.7")
+ON = ("numpy", "casadi")
 
 Tick = Callable[[], object]
 
 
 def rows() -> Iterator[Row]:
-    """The tick against each of them."""
+    """The tick, on each backend, against each of them."""
     program = program_of(SPEC.read_text("utf-8"), SPEC.name)
     *_, (pipeline,) = program.pipelines()
     by_hand, seen = SlideToGrasp(program), example_of(program)
-    for other in observations(seen):
-        given = pipeline.ticks(other, certified=False).displacement
-        np.testing.assert_allclose(by_hand.command(other), given, rtol=0.0, atol=1e-12)
     tree, model = tree_of(program), model_of(program)
     moved = kinematics(program, model, seen.joints)
-    actions: dict[str, Tick] = {
-        "command": lambda: pipeline.ticks(seen, certified=False),
-        "certified": lambda: pipeline.evaluate(seen),
-        "with kinematics": lambda: pipeline.ticks(replace(seen, jacobian=moved()), certified=False),
-        "by hand": lambda: by_hand.command(seen),
-    }
+    pipelines = {name: replace(pipeline, backend=BACKENDS[name]) for name in ON}
+    missing = {name: f"not installed: {name}" for name in ON if BACKENDS[name].missing}
+    actions: dict[str, Tick] = {}
+    for name in ON:
+        if name not in missing:
+            for other in observations(seen):
+                given = pipelines[name].ticks(other, certified=False).displacement
+                np.testing.assert_allclose(by_hand.command(other), given, rtol=0.0, atol=1e-12)
+            actions |= ticks_on(name, pipelines[name], seen, moved)
     makers: dict[str, Callable[[], Tick]] = {
-        "mink": lambda: mink_tick(program, model, seen.joints),
-        "pink": lambda: pink_tick(program, tree, seen.joints),
+        "numpy by hand": lambda: lambda: by_hand.command(seen),
+        f"mink with {SOLVER}": lambda: mink_tick(program, model, seen.joints),
+        f"pink with {SOLVER}": lambda: pink_tick(program, tree, seen.joints),
     }
-    missing = {}
     for name, made in makers.items():
         try:
             actions[name] = made()
@@ -60,18 +64,25 @@ def rows() -> Iterator[Row]:
             missing[name] = f"not installed: {error.name}"
     times = in_turn(actions, ROUNDS, EACH)
     said = medians(times)
-    for name, bound in PEERS.items():
-        if name in missing:
-            yield Row(f"tick of π_sgx / {name}", note=missing[name])
+    for name, (peer, bound) in product(ON, zip(makers, BOUNDS, strict=True)):
+        what = f"tick of π_sgx on {name}"
+        if reason := missing.get(name) or missing.get(peer):
+            yield Row(f"{what} / {peer}", note=reason)
             continue
-        yield ratio_of(
-            f"tick of π_sgx, command alone / {name} with {SOLVER}", times["command"], times[name], bound, said
-        )
-        yield ratio_of(f"tick of π_sgx, certified / {name} with {SOLVER}", times["certified"], times[name], bound)
-        what = f"tick of π_sgx with the kinematics that {name} does / {name} with {SOLVER}"
-        yield ratio_of(what, times["with kinematics"], times[name], "")
-    yield ratio_of("tick of π_sgx, command alone / numpy by hand", times["command"], times["by hand"], "≤ 1.3", said)
-    yield ratio_of("tick of π_sgx, certified / numpy by hand, not certified", times["certified"], times["by hand"], "")
+        yield ratio_of(f"{what}, command alone / {peer}", times[f"command on {name}"], times[peer], bound, said)
+        yield ratio_of(f"{what}, certified / {peer}", times[f"certified on {name}"], times[peer], "")
+        if SOLVER in peer:
+            kinematic = times[f"with kinematics on {name}"]
+            yield ratio_of(f"{what}, with the kinematics that a peer does / {peer}", kinematic, times[peer], "")
+
+
+def ticks_on(name: str, pipeline: Pipeline, seen: Observation, moved: Callable[[], Array]) -> dict[str, Tick]:
+    """The ways to make a tick on a backend, by what they are called."""
+    return {
+        f"command on {name}": lambda: pipeline.ticks(seen, certified=False),
+        f"certified on {name}": lambda: pipeline.evaluate(seen),
+        f"with kinematics on {name}": lambda: pipeline.ticks(replace(seen, jacobian=moved()), certified=False),
+    }
 
 
 def observations(seen: Observation) -> Iterator[Observation]:

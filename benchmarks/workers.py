@@ -11,7 +11,7 @@ from measuring import Row, in_turn, medians, ratio_of
 import graspdsl
 
 SPEC = Path(__file__).resolve().parents[1] / "specs" / "towel_roll_two_contacts.yaml"
-TRIALS, ROUNDS = 24, 2
+TRIALS, ROUNDS = 96, 2
 
 
 def rows() -> Iterator[Row]:

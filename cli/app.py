@@ -36,6 +36,7 @@ class Evaluator(enum.StrEnum):
 
     NUMPY = "numpy"
     JAX = "jax"
+    CASADI = "casadi"
 
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
@@ -52,7 +53,8 @@ AllowCode = Annotated[
     bool, typer.Option("--allow-code", help="Run the Python files that the spec names under 'code'. Read them first.")
 ]
 Evaluated = Annotated[
-    Evaluator | None, typer.Option("--backend", help="What evaluates ticks, not what the spec says; jax is an extra.")
+    Evaluator | None,
+    typer.Option("--backend", help="What evaluates ticks, not what the spec says; jax and casadi are extras."),
 ]
 Kept = Annotated[
     str | None,

@@ -20,8 +20,9 @@ from graspdsl.report.experiment_setups import departure
 from graspdsl.report.summary import plain
 from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import INTERRUPTED, interruption
-from graspdsl.trials.runner import WorkerEndedError, execute, new_run
+from graspdsl.trials.runner import execute, new_run
 from graspdsl.trials.store import RunFolder
+from graspdsl.trials.workers import WorkerEndedError
 
 RUNS = Path("runs")
 

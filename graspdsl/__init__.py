@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from graspdsl.compiler.program import Program
     from graspdsl.diagnostics import Diagnostic, DiagnosticError
     from graspdsl.trials.control_loop import ControlLoop, Turn, sensed_truth
-    from graspdsl.trials.runner import WorkerEndedError
     from graspdsl.trials.setup import hand_of
+    from graspdsl.trials.workers import WorkerEndedError
     from graspdsl.worlds.protocol import Command, Observation
     from graspdsl.worlds.real_hand import Reading, RealHand
 
@@ -95,7 +95,7 @@ _HOMES = {
     "SpecWarning": "api.programs",
     "Trajectory": "api.trajectories",
     "Turn": "trials.control_loop",
-    "WorkerEndedError": "trials.runner",
+    "WorkerEndedError": "trials.workers",
     "compile": "api.controllers",
     "ferrari_canny": "api.grasps",
     "force_closure": "api.grasps",

@@ -1,7 +1,7 @@
 """The array types that everything numeric shares, and the functions of arrays that serve more than one backend.
 
-What a tick computes is written once, against the :class:`Namespace` of the arrays that it is given: numpy's own, or
-that of JAX while it traces a function to compile it.
+What a tick computes is written once, against the :class:`Namespace` of the arrays that it is given: numpy's own, which
+serves all arrays that follow numpy's protocols, or that of JAX while it traces a function to compile it.
 """
 
 from __future__ import annotations
@@ -69,12 +69,13 @@ class Namespace(Protocol):
 
 NUMPY = cast(Namespace, np)
 OF_NUMPY = (np.ndarray, np.generic)
+LIKE_NUMPY = (*OF_NUMPY, np.lib.mixins.NDArrayOperatorsMixin)  # what numpy's functions take
 WRITTEN_OUT = 16  # terms of a sum
 
 
 def namespace(array: npt.NDArray[Any]) -> Namespace:
     """The functions for arrays of this kind."""
-    return NUMPY if type(array) is np.ndarray or isinstance(array, OF_NUMPY) else _of_jax()
+    return NUMPY if type(array) is np.ndarray or isinstance(array, LIKE_NUMPY) else _of_jax()
 
 
 @cache
@@ -91,7 +92,7 @@ def _of_jax() -> Namespace:
 
 def product(a: Array, b: Array) -> Array:
     """A B over the last two axes, or of a vector A or B, as ``@`` has it."""
-    if type(a) is type(b) is np.ndarray:
+    if type(a) is type(b) is np.ndarray or (isinstance(a, LIKE_NUMPY) and isinstance(b, LIKE_NUMPY)):
         whole: Array = np.matmul(a, b)
         return whole
     terms = a.shape[-1]
@@ -102,6 +103,12 @@ def product(a: Array, b: Array) -> Array:
     if a.ndim == 1:
         return _sum([a[i] * b[..., i, :] for i in range(terms)])
     return _sum([a[..., :, i, None] * b[..., None, i, :] for i in range(terms)])
+
+
+def solved(definite: Array, right: Array) -> Array:
+    """A⁻¹ B for a symmetric, positive definite A (..., n, n) and B (..., n, m); arrays may have a way of their own."""
+    own: Binary | None = getattr(type(definite), "solved", None)
+    return namespace(definite).linalg.solve(definite, right) if own is None else own(definite, right)
 
 
 def _sum(terms: list[Array]) -> Array:
@@ -128,7 +135,7 @@ def repeated(
 ) -> State:
     """A state after as many steps as it takes until nothing of it is unfinished, ``most`` of them at most; both
     functions take the parts of a state."""
-    if isinstance(state[0], OF_NUMPY):
+    if isinstance(state[0], LIKE_NUMPY):
         for _ in range(most):
             if not np.any(unfinished(*state)):
                 break

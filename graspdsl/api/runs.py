@@ -30,9 +30,10 @@ from graspdsl.trials.columns import Column, columns_of
 from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.record import TrialRecord
-from graspdsl.trials.runner import WorkerEndedError, execute, new_run, program_of_run
+from graspdsl.trials.runner import execute, new_run, program_of_run
 from graspdsl.trials.store import SPEC, RunFolder
 from graspdsl.trials.trajectories import Layout
+from graspdsl.trials.workers import WorkerEndedError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graspdsl.arrays import Array, namespace, packed, product
+from graspdsl.arrays import Array, namespace, packed, product, solved
 
 EYE = np.eye(3)
 
@@ -87,7 +87,7 @@ def damped_pseudo_inverse(damping: float, jacobian: Array) -> Array:
     """J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, (..., n, m) for J (..., m, n)."""
     xp = namespace(jacobian)
     gram = product(jacobian, xp.swapaxes(jacobian, -1, -2)) + damping**2 * np.eye(jacobian.shape[-2])
-    return xp.swapaxes(xp.linalg.solve(gram, jacobian), -1, -2)
+    return xp.swapaxes(solved(gram, jacobian), -1, -2)
 
 
 def pseudo_inverse(jacobian: Array) -> Array:

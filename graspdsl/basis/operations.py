@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from graspdsl.arrays import NUMPY, Array, Flags, namespace, product
+from graspdsl.arrays import Array, Flags, namespace, product
 from graspdsl.basis.algebra import length, null_space_projector, tangent_planes
 
 
@@ -234,7 +234,7 @@ def side_by_side(inner: int, axis: int, *arrays: Array) -> Array:
     if len(arrays) == 1:
         only: Array = widest[(..., None, *rows)]
         return only
-    if xp is NUMPY:
+    if all(type(array) is np.ndarray for array in arrays):
         whole = np.zeros((*batch, len(arrays), *widest.shape[-inner:]))
         for level, array in enumerate(arrays):
             rows[axis] = slice(array.shape[axis])

@@ -25,7 +25,15 @@ from graspdsl.compiler.graph import (
     SensorReference,
     VectorReference,
 )
-from graspdsl.compiler.pipeline import Certificate, Pipeline, PipelineBuilder, Priority, Projection, steps_between
+from graspdsl.compiler.pipeline import (
+    LOCKED,
+    Certificate,
+    Pipeline,
+    PipelineBuilder,
+    Priority,
+    Projection,
+    steps_between,
+)
 from graspdsl.compiler.settings import Target
 from graspdsl.diagnostics import listed
 from graspdsl.hands.descriptions import joint_limits
@@ -40,7 +48,6 @@ READINGS = {
     "centre_of_mass": "the object's centre of mass [m]",
     "weight": "the object's weight [N]",
 }
-LOCKED = ("jacobian", "angular_jacobian")  # what locked joints change
 DOWN = np.array([0.0, 0.0, -1.0])
 
 

@@ -16,6 +16,7 @@ from graspdsl.compiler.graph import ControllerNode
 from graspdsl.worlds.protocol import Command, Observation
 
 Values = Mapping[int, Array] | Sequence[Array]  # by the numbers of steps
+LOCKED = ("jacobian", "angular_jacobian")  # what of an observation locked joints change
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +170,9 @@ class Pipeline:
     limits: tuple[Array, Array] | None = None
     backend: Backend = NUMPY
     locked: tuple[int, ...] = ()
-    _compiled: dict[bool, Callable[[Observation], Values]] = field(default_factory=dict, compare=False, repr=False)
+    _compiled: dict[bool, Callable[[Observation, Flags | None], Values]] = field(
+        init=False, default_factory=dict, compare=False, repr=False
+    )
 
     def values(self, observation: Observation, *, certified: bool = True) -> list[Array]:
         """The value of every step for an observation, in the order of the steps; ``certified``: also of those that
@@ -182,14 +185,14 @@ class Pipeline:
                 values.append(step.function(*[values[i] for i in step.inputs]))
         return values
 
-    def _values_with(self, observation: Observation, free: Values) -> Values:
+    def _values_with(self, observation: Observation, locked: Flags, free: Values) -> Values:
         """The values, by their steps, of those that change when joints are locked; of the others those of a free
         hand."""
         values = dict(enumerate(free)) if isinstance(free, Sequence) else dict(free)
         for place in self.locked:
             step = self.steps[place]
             if step.reading is not None:
-                values[place] = getattr(observation, step.reading)
+                values[place] = _read(observation, step.reading, locked)
             elif place in values:
                 values[place] = step.function(*[values[i] for i in step.inputs])
         return values
@@ -209,13 +212,16 @@ class Pipeline:
         displacement, locked = free[self.command], np.zeros(observation.joints.shape, dtype=bool)
         changes = free[told.changes] if told else np.zeros((*batch, 0, 4, 0))
         commands = [self.command, *(one.alone for one in self.priorities if told)]
-        if any(self._beyond(observation.joints, free[step]).any() for step in commands):
-            (displacement, locked, values), *alone = self._with_locks(observation, free, commands, certified=certified)
-            made = (
-                operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
-                for one, (moved, _, _) in zip(self.priorities, alone, strict=False)
-            )
-            changes = operations.side_by_side(2, -1, *made) if told else changes
+        beyond = [(step, self._beyond(observation.joints, free[step])) for step in commands]
+        if any(joints.any() for _, joints in beyond):
+            (displacement, locked, values), *alone = self._with_locks(observation, free, beyond, certified=certified)
+            if told:
+                made = (
+                    operations.changes(*(free[step] for step in one.told_by(self.command)), displacement, moved)
+                    for one, (moved, _, _) in zip(self.priorities, alone, strict=True)
+                )
+                locks = np.any([locked, *(others for _, others, _ in alone)], axis=(0, -1))
+                changes = np.where(locks[..., None, None, None], operations.side_by_side(2, -1, *made), changes)
 
         def of_each(value: Array, *shape: int) -> Array:
             return value if value.ndim == len(batch) + len(shape) else np.broadcast_to(value, (*batch, *shape))
@@ -242,9 +248,9 @@ class Pipeline:
             return self.values(observation, certified=certified)
         if certified not in self._compiled:
             self._compiled[certified] = self._as_compiled(certified=certified)
-        return self._compiled[certified](observation)
+        return self._compiled[certified](observation, None)
 
-    def _as_compiled(self, *, certified: bool) -> Callable[[Observation], Values]:
+    def _as_compiled(self, *, certified: bool) -> Callable[[Observation, Flags | None], Values]:
         """The values of all that a tick is made of, as the backend compiles them."""
         told = self.certificate if certified else None
         outputs = {self.command, self.force_residual, self.moment_residual, *(one.rank for one in self.priorities)}
@@ -253,38 +259,36 @@ class Pipeline:
             outputs |= {told.sensed, told.effects, told.changes}
             outputs |= {step for one in self.priorities for step in one.told_by(self.command)}
         steps = self.steps if certified else self.steps[: self.bare]
-        evaluation = _Evaluation(steps, tuple(sorted(outputs)), self.backend)
+        evaluation = _Evaluation(steps, tuple(sorted(outputs)))
         compiled = self.backend.compiled(evaluation)
 
-        def values(observation: Observation) -> Values:
-            read = [np.asarray(getattr(observation, name)) for name in evaluation.read]
+        def values(observation: Observation, locked: Flags | None) -> Values:
+            read = [np.asarray(_read(observation, name, locked)) for name in evaluation.read]
             return dict(zip(evaluation.outputs, compiled(observation.points.shape[:-2], *read), strict=True))
 
         return values
 
     def _with_locks(
-        self, observation: Observation, free: Values, commands: Iterable[int], *, certified: bool
+        self, observation: Observation, free: Values, beyond: Iterable[tuple[int, Flags]], *, certified: bool
     ) -> Iterator[tuple[Array, Flags, Values]]:
         """Of each command what of it can be carried out, the joints that it locks, and all values when these are.
 
-        free: the values when none is.
+        free: the values when none is; beyond: the commands, with the joints that each would then take beyond limits.
         """
-        evaluated = {np.zeros(observation.joints.shape, dtype=bool).tobytes(): free}
-        for command in commands:
-            locked = np.zeros(observation.joints.shape, dtype=bool)
-            while True:
+        evaluated = dict[bytes, Values]()
+        for command, joints in beyond:
+            displacement, locked, values = free[command], np.zeros(observation.joints.shape, dtype=bool), free
+            while joints.any():
+                locked = locked | joints
                 if (key := locked.tobytes()) not in evaluated:
-                    seen = _with_locked(observation, locked)
                     if self.backend is NUMPY:
-                        evaluated[key] = self._values_with(seen, free)
+                        evaluated[key] = self._values_with(observation, locked, free)
                     else:
-                        evaluated[key] = self._tick_values(seen, certified=certified)
-                displacement = np.where(locked, 0.0, evaluated[key][command])
-                beyond = self._beyond(observation.joints, displacement)
-                if not beyond.any():
-                    break
-                locked = locked | beyond
-            yield displacement, locked, evaluated[key]
+                        evaluated[key] = self._compiled[certified](observation, locked)
+                values = evaluated[key]
+                displacement = np.where(locked, 0.0, values[command])
+                joints = self._beyond(observation.joints, displacement)
+            yield displacement, locked, values
 
     def _beyond(self, joints: Array, displacement: Array) -> Flags:
         """Which joints (..., n) a displacement takes beyond their limits."""
@@ -298,19 +302,19 @@ class Pipeline:
 class _Evaluation:
     """The values of some steps as a function of what is read, the same for steps that do the same."""
 
-    def __init__(self, steps: Sequence[Step], outputs: tuple[int, ...], backend: Backend) -> None:
+    def __init__(self, steps: Sequence[Step], outputs: tuple[int, ...]) -> None:
         self.outputs = outputs
         self.read = tuple(step.reading for step in steps if step.reading is not None)
-        self._steps, self._backend = steps, backend
+        self._steps = steps
         self._does = (outputs, *((fingerprint(step.function), step.inputs, step.reading) for step in steps))
 
-    def __call__(self, *read: Array) -> tuple[Array, ...]:
+    def __call__(self, call: Callable[..., Array], *read: Array) -> tuple[Array, ...]:
         left, values = iter(read), list[Array]()
         for step in self._steps:
             if step.reading is not None:
                 values.append(next(left))
             else:
-                values.append(self._backend.own(step.function)(*[values[i] for i in step.inputs]))
+                values.append(call(step.function, *[values[i] for i in step.inputs]))
         return tuple(values[output] for output in self.outputs)
 
     def __eq__(self, other: object) -> bool:
@@ -320,12 +324,10 @@ class _Evaluation:
         return hash(self._does)
 
 
-def _with_locked(observation: Observation, locked: Flags) -> Observation:
-    """An observation in which locked joints (..., n) move no contact."""
-    free = np.where(locked, 0.0, 1.0)[..., None, None, :]
-    return replace(
-        observation, jacobian=observation.jacobian * free, angular_jacobian=observation.angular_jacobian * free
-    )
+def _read(observation: Observation, name: str, locked: Flags | None) -> Array:
+    """A field of an observation, in which locked joints (..., n) move no contact."""
+    value: Array = getattr(observation, name)
+    return value if locked is None or name not in LOCKED else value * np.where(locked, 0.0, 1.0)[..., None, None, :]
 
 
 @dataclass(slots=True)

@@ -25,7 +25,7 @@ LINKS = ((), (ROBOT.hand.palm,), ("distal-1",), ("distal-1", ROBOT.hand.palm))
 TRIALS, TICKS, TICK = 5, 60, 1.0  # s, or longer where a bound is: what may last for seconds lasts for few ticks
 LASTING = 6  # ticks
 SEEN = tuple(field.name for field in fields(Sight) if field.name != "waited_for")
-LISTS, OF_ALL = ("links", "table_links"), ("time", "grasp", "awaits_residual", "limit", "waited_for")
+LISTS, OF_ALL = ("links", "table_links"), ("grasp", "awaits_residual", "limit", "waited_for")
 NO_WAIT_SLIDING, WAIT_PROBING = ((), TICK), ((30.0,), None)
 WITHOUT_MONITOR = (Outcome.CONVERGED, Outcome.TIMEOUT, Outcome.UNDONE, Outcome.INFEASIBLE_START, Outcome.CRASHED)
 UNIT = r"\((1|m|s|N|rad)\)"
@@ -219,7 +219,7 @@ def _sound() -> Sight:
     count, contacts, joints = TRIALS, len(ROBOT.contacts), len(ROBOT.joints)
     return Sight(
         rows=np.arange(count),
-        time=0.0,
+        time=np.zeros(count),
         grasp=tuple(range(contacts)),
         touching=np.ones((count, contacts), dtype=bool),
         touched=np.ones(count, dtype=bool),
@@ -261,7 +261,7 @@ def _story(monitor: type[Monitor]) -> list[Sight]:
                 moment_residual=random.uniform(0.0, 0.1, TRIALS),
                 met=random.random(TRIALS) < 0.1,
             )
-        story.append(replace(wrong, time=tick * _tick(monitor)))
+        story.append(replace(wrong, time=np.full(TRIALS, tick * _tick(monitor))))
     return story
 
 

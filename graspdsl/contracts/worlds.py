@@ -301,7 +301,8 @@ def closing(kind: WorldKind) -> Iterator[Breach]:
 
 
 def side_by_side(kind: WorldKind) -> Iterator[Breach]:
-    """Trials side by side are each what it is alone, to the last bit, and stay so when others are over."""
+    """Trials side by side are each what it is alone, to the last bit, and stay so when others are over, and others
+    join."""
     with _made(kind) as (world, space), _made(kind) as (other, _):
         if kind.together > 1 and not isinstance(world, ManyWorld):
             yield (
@@ -313,19 +314,22 @@ def side_by_side(kind: WorldKind) -> Iterator[Breach]:
         alone = [_run(other, space, SEED + trial) for trial in range(TRIALS)]
         for trial in range(TRIALS):
             world.join(START, SEED + trial)
-        rows = np.arange(TRIALS)
+        began = dict.fromkeys(range(TRIALS), 0)
         for tick in range(TICKS + 1):
             many = world.observe()
             if tick == TICKS - 1:
-                rows = np.array([0, 2])
-                world.keep(rows)
+                del began[1]
+                world.keep(np.array([0, 2]))
                 many = world.observe()
-            for row, trial in enumerate(rows.tolist()):
-                if not same(many.row(row), alone[trial][tick]):
-                    yield f"trial {trial} of {len(rows)} is not what it is alone", "keep the rows apart: (..., k, 3)"
+            for row, (trial, first) in enumerate(began.items()):
+                if not same(many.row(row), alone[trial][tick - first]):
+                    yield f"trial {trial} of {len(began)} is not what it is alone", "keep the rows apart: (..., k, 3)"
                     return
             command = _command(world, space, SMALL, tick)
-            shape = (len(rows), *command.displacement.shape)
+            shape = (len(began), *command.displacement.shape)
+            if tick == TICKS - 1:
+                world.join(START, SEED + 1)
+                began[1] = TICKS
             world.step(replace(command, displacement=np.broadcast_to(command.displacement, shape)))
 
 

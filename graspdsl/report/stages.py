@@ -13,7 +13,7 @@ from graspdsl.compiler.known import written
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import median
 from graspdsl.spec.keeping import ALL
-from graspdsl.trials.course import Stage, stages_of
+from graspdsl.trials.stages import Stage, stages_of
 
 
 @dataclass(frozen=True, slots=True)

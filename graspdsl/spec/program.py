@@ -132,8 +132,9 @@ class Control(Growing):
     curvature_radius: Metres = Field(
         default=0.05, gt=0.0, le=100.0, description="radius (m) of the object that the gradients assume"
     )
-    backend: Literal["numpy", "jax"] = Field(
+    backend: Literal["numpy", "jax", "casadi"] = Field(
         default="numpy",
         description="what evaluates a tick; numpy: each step by itself; jax: all steps compiled as one by JAX, on a "
-        "GPU where there is one; numbers agree up to rounding",
+        "GPU where there is one; casadi: steps compiled to formulas of numbers by CasADi, for few trials; numbers "
+        "agree up to rounding",
     )

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from graspdsl.places.fields import Count, Model, Number, fault
+from graspdsl.places.fields import Count, Model, Number, Seconds, fault
 from graspdsl.spec.distributions import Angle, Gap, Height, JointPlace, Length, Relative, outcomes_of
 from graspdsl.spec.keeping import ALL, Keep
 
@@ -113,6 +113,13 @@ class Trials(Model):
         description="which ticks of trajectories are kept: all; the first and the last, the ends; none; every=10 for "
         "every tenth and the last. What a trial measures does not depend on it",
         examples=["every=10"],
+    )
+
+    wall_limit: Seconds = Field(
+        default=600.0,
+        gt=0,
+        description="how long (s) the computer may take for a trial before it is given up, where several processes "
+        "share them",
     )
 
     @model_validator(mode="after")

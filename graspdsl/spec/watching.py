@@ -49,8 +49,8 @@ class Setting:
     """What monitors know of N trials from their beginning on.
 
     ``palm``: the link that is the palm; lower, upper: (n,) limits of the joints [m or rad]; began: (N, n) where they
-    were. ``curvature_radius`` [m] makes a length of a moment. ``probes``: whether a tick is a probe; rate: ticks a
-    second.
+    were, of each trial that has begun. ``curvature_radius`` [m] makes a length of a moment. ``probes``: whether a tick
+    is a probe; rate: ticks a second.
     """
 
     contacts: tuple[str, ...]
@@ -68,8 +68,8 @@ class Setting:
 class Sight:
     """What monitors see of M trials at one tick of a stage; ``rows`` (M,) are their places among the N.
 
-    time [s]; ``grasp``: the contacts that the stage is about. touching: (M, k) and ``touched``: (M,), whether all of
-    the grasp have touched in this stage, or had to before it. joints: (M, n) positions [m or rad]; stopped: (M, n),
+    time: (M,) [s]; ``grasp``: the contacts that the stage is about. touching: (M, k) and ``touched``: (M,), whether all
+    of the grasp have touched in this stage, or had to before it. joints: (M, n) positions [m or rad]; stopped: (M, n),
     those that are kept from going beyond a limit. links, table_links: for each trial, what presses on the object
     without being a fingertip, and what presses on the table. lean [rad] and shift [m] of the object since the start:
     (M,). force_residual (1), moment_residual [m]: (M,) norms of what they are in truth. met: (M,), whether the end
@@ -78,7 +78,7 @@ class Sight:
     """
 
     rows: Rows
-    time: float
+    time: Array
     grasp: tuple[int, ...]
     touching: Flags
     touched: Flags
@@ -159,7 +159,7 @@ class Monitor(ABC):
         """What it says of the trial at a place of the M that it ends."""
 
     def begin_anew(self, rows: Rows) -> None:
-        """These trials begin another stage: what was seen of them is forgotten."""
+        """These trials begin, or begin another stage: what was seen at their places is forgotten."""
         del rows
 
     def out_of_time(self, sight: Sight, place: int) -> str | None:
@@ -202,12 +202,12 @@ class Lasting(Monitor):
         if not (self._is_on or happens.any()):
             self.lasting = happens
             return np.zeros(len(happens), dtype=bool)
-        since = self._since[sight.rows]
-        since = np.where(happens, np.where(np.isnan(since), sight.time, since), np.nan)
+        since, now = self._since[sight.rows], sight.time[:, None]
+        since = np.where(happens, np.where(np.isnan(since), now, since), np.nan)
         self._since[sight.rows] = since
         self._is_on = not np.isnan(self._since).all()
         if self.bound != AT_ONCE:
-            happens = np.asarray(happens & (sight.time - since > self.bound))
+            happens = np.asarray(happens & (now - since > self.bound))
         self.lasting = happens
         return np.asarray(self.lasting.any(axis=-1))
 

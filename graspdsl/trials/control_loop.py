@@ -15,8 +15,10 @@ from graspdsl.hands.descriptions import joint_limits
 from graspdsl.plugins.answering import answered_for
 from graspdsl.spec.monitors import MONITORS
 from graspdsl.spec.watching import OFF
-from graspdsl.trials.course import Course, led, stages_of
+from graspdsl.trials.batches import led
+from graspdsl.trials.course import Course
 from graspdsl.trials.outcomes import Ending
+from graspdsl.trials.stages import stages_of
 from graspdsl.worlds.protocol import PARTIES, Command, Observation, Truth, WorldInfo
 
 
@@ -92,7 +94,8 @@ class ControlLoop:
         seen = led(observation)
         true = led(sensed_truth(observation) if truth is None else truth)
         if self._course is None:
-            self._course = Course(self.program, self._stages, self._info, seen, true, trajectories=False)
+            self._course = Course(self.program, self._stages, self._info, 1, trajectories=False)
+            self._course.begin(np.zeros(1, dtype=np.intp))
         self._time = observation.time
         if self._ending is not None:
             stage = self._course.stage(0)

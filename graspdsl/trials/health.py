@@ -240,6 +240,10 @@ def _mended(folder: RunFolder) -> Iterator[str]:
         health = examined(folder, mine=True)
     if any(finding.part == "table" and finding.verdict is Verdict.FAULT for finding in health.findings):
         return
+    for file in health.left:  # before packs have drafts again
+        file.unlink()
+    if health.left:
+        yield f"files removed: {len(health.left)}"
     if health.rows or health.pieces:
         with folder.table() as table:
             table.execute("BEGIN")
@@ -255,10 +259,6 @@ def _mended(folder: RunFolder) -> Iterator[str]:
             )
         after = sum(pack.stat().st_size for pack in health.packs if pack.exists())
         yield f"bytes removed from packs: {before - after}"
-    for file in health.left:
-        file.unlink()
-    if health.left:
-        yield f"files removed: {len(health.left)}"
     with suppress(sqlite3.OperationalError), folder.table() as table:  # which somebody may be reading right now
         table.execute("PRAGMA journal_mode = DELETE")  # one file again, where a process that wrote it was killed
 

@@ -17,7 +17,12 @@ from graspdsl.trials.store import MANIFEST, SPEC, RunFolder
 
 LIBRARIES = ("graspdsl", "numpy", "scipy")
 FILE_READERS = ("mujoco", "trimesh", "vhacdx")  # on which what is read from a file depends, too
-UNTOLD: dict[str, Any] = {"trials": {"count", "seed", "keep"}, "name": True, "about": True, "code": True}  # of a spec
+UNTOLD: dict[str, Any] = {
+    "trials": {"count", "seed", "keep", "wall_limit"},
+    "name": True,
+    "about": True,
+    "code": True,
+}  # of a spec
 
 
 def versions(program: Program) -> dict[str, str]:

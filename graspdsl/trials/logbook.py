@@ -23,74 +23,85 @@ BALANCED_S = 1.0  # s at the end, over which what acts on the object is told
 
 
 class Logbook:
-    """The running numbers of N trials that began together, (N,) each, and their trajectories where these are kept.
+    """The running numbers of N trials, (N,) each, and their trajectories where these are kept. Each trial has a place,
+    which another may get when it is over.
 
     Ticks count from 0, as the rows of a trajectory do; NEVER stands where there was none. ``first_touch``: the one at
     which every contact first touched; ``control_start``: at which the controller took over from the guarded close;
-    ``held_since``: from which on the end conditions have held; ``last``: the latest one. ``shift`` [m] and ``lean``
-    [rad] of the object; ``world_s``: the world's time [s] at the last tick.
+    ``held_since``: from which on the end conditions have held; ``last``: the latest one. ``origins`` (N, 3) [m]:
+    where the objects were to begin with; ``shift`` [m] and ``lean`` [rad] of the object; ``world_s``: the world's time
+    [s] at the last tick.
     """
 
     def __init__(
         self,
         grasps: Sequence[ContactSet],
-        origins: Array,
         pipelines: Sequence[Pipeline],
+        count: int = 1,
+        ticks: int = 1,
         *,
         trajectories: bool = True,
     ) -> None:
-        """``grasps``: of the phases; origins: (N, 3), where the objects are [m] to begin with; ``pipelines``: of the
-        stages."""
-        count = len(origins)
-        self._grasps, self._origins, self._keeps = grasps, origins, trajectories
-        self._rows, self._exact = TickRows(count, np.float32), TickRows(count, np.float64)
-        self._priorities, self._ahead = PriorityLog(pipelines, count), Ahead(self._write_down)
+        """``grasps``: of the phases; ``pipelines``: of the stages; ``count``: how many places N there are; ``ticks``:
+        how many a trial may have."""
+        self._grasps, self._keeps, self.origins = grasps, trajectories, np.zeros((count, 3))
+        self._rows, self._exact = TickRows(count, ticks, np.float32), TickRows(count, ticks, np.float64)
+        self._priorities, self._ahead = PriorityLog(pipelines, count, ticks), Ahead(self._write_down)
         self._touch_phase, self._phase = np.zeros((2, count), dtype=np.intp)
         self.first_touch, self.control_start, self.held_since, self.last = np.full((4, count), NEVER, dtype=np.intp)
         self.world_s, self.shift, self.lean = np.zeros((3, count))
 
+    def begin(self, trials: Rows) -> None:
+        """Nothing is known any more of what was at these places: other trials begin there."""
+        self._ahead.write()
+        for noted in (self.first_touch, self.control_start, self.held_since, self.last):
+            noted[trials] = NEVER
+        for number in (self.world_s, self.shift, self.lean):
+            number[trials] = 0.0
+        self._priorities.begin(trials)
+
     def write(
-        self, tick: int, trials: Rows, phase: int, stage: int, seen: Observation, truth: Truth, ticks: Ticks
+        self, tick: Rows, trials: Rows, phase: int, stage: int, seen: Observation, truth: Truth, ticks: Ticks
     ) -> GraspMeasure:
-        """Write down a tick of M of the trials; what stood there is overwritten, as the next controller sees the same
-        observation again. Returns the measures of their grasps."""
+        """Write down a tick of M of the trials, by the number (M,) that it has for each; what stood there is
+        overwritten, as the next controller sees the same observation again. Returns the measures of their grasps."""
         grasp = self._grasps[phase]
         now = measure(seen, truth, grasp)
         self._note_touch(tick, trials, phase, seen)
         self.last[trials], self._phase[trials], self.world_s[trials] = tick, phase, seen.time
-        self.shift[trials] = length(truth.object_position - self._origins[trials])
+        self.shift[trials] = length(truth.object_position - self.origins[trials])
         self.lean[trials] = truth.object_lean
         if self._keeps:
             self._ahead.tell(tick, trials, phase, stage, Told(seen, truth, ticks, now))
         return now
 
-    def _note_touch(self, tick: int, trials: Rows, phase: int, seen: Observation) -> None:
+    def _note_touch(self, tick: Rows, trials: Rows, phase: int, seen: Observation) -> None:
         """When every contact first touched, and when the controller took over from what made them touch."""
         without = self.first_touch[trials] == NEVER
         if without.any():
             touching = seen.touching[:, list(self._grasps[phase].contacts)].all(axis=-1)
-            first = trials[touching & without]
-            self.first_touch[first], self._touch_phase[first] = tick, phase
+            first = touching & without
+            self.first_touch[trials[first]], self._touch_phase[trials[first]] = tick[first], phase
         if phase > 0:
             controlled = (self.first_touch[trials] != NEVER) & (self._touch_phase[trials] < phase)
-            self.control_start[trials[controlled & (self.control_start[trials] == NEVER)]] = tick
+            begins = controlled & (self.control_start[trials] == NEVER)
+            self.control_start[trials[begins]] = tick[begins]
 
-    def _write_down(self, tick: int, trials: Rows, phase: int, stage: int, told: Told) -> None:
-        """What is told of T ticks, and what follows from it."""
+    def _write_down(self, tick: Rows, trials: Rows, phase: int, stage: int, told: Told) -> None:
+        """What is told of T ticks from these on, and what follows from it."""
         seen, truth, ticks, now = told.seen, told.truth, told.ticks, told.now
         self._priorities.note(tick, trials, stage, seen, ticks)
         points, normals = true_contacts(seen, truth)
         felt, distance, sine, cosine = sensing_errors(seen, truth)
-        time = np.asarray(seen.time)[:, None]
         measured: Row = {
             "force_residual": now.force_residual,
             "moment_residual": now.moment_residual,
             "orientation": now.orientation,
         }
         row: Row = {
-            "time": time,
-            "phase": np.full_like(time, phase),
-            "stage": np.full_like(time, stage),
+            "time": seen.time,
+            "phase": np.full(seen.touching.shape[:2], phase),
+            "stage": np.full(seen.touching.shape[:2], stage),
             **measured,
             "sensed_force_residual": ticks.force_residual,
             "sensed_moment_residual": ticks.moment_residual,
@@ -110,7 +121,7 @@ class Logbook:
         }
         exact: Row = {
             **measured,
-            "time": time,
+            "time": seen.time,
             "loads": truth.loads,
             "pressing": np.vecdot(np.nan_to_num(truth.forces), normals),
             "felt": felt,

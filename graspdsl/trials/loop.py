@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.quality.grade import CRASHED, NO_CONTACTS
-from graspdsl.trials.course import Alone, Course, stages_of
+from graspdsl.trials.batches import Alone
+from graspdsl.trials.course import Course
 from graspdsl.trials.evaluation import Evaluation, Quality
 from graspdsl.trials.identity import identities
 from graspdsl.trials.logbook import Logbook
 from graspdsl.trials.outcomes import Ending, Outcome
 from graspdsl.trials.record import RejectedStart, Trial, TrialRecord
+from graspdsl.trials.side_by_side import SideBySide
+from graspdsl.trials.stages import stages_of
 from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.protocol import (
     InfeasibleStartError,
@@ -35,7 +38,8 @@ TOLD_EACH = 25  # draws
 OUT_OF_REACH_EACH, MOST_OUT_OF_REACH = 5, 50  # draws that the arm cannot reach, of an orientation and in all
 
 TRIAL_TICKS = 200_000  # of trials side by side: some 300 MB of floating contacts, if all run to the end of their time
-NOTHING = Logbook([], np.zeros((1, 3)), [])  # of a trial that had no tick
+FREE = 1 / 16  # of all places side by side, when others begin there
+NOTHING = Logbook([], [])  # of a trial that had no tick
 
 OnDrawing = Callable[[int, int], None]  # number of a trial, draws of a start that it could not take up so far
 
@@ -72,14 +76,14 @@ class _Begun:
 
 
 class TrialLoop:
-    """Runs trials of one program on one world, as many side by side as that runs well; a trial has so many draws to
-    find a start."""
+    """Runs trials of one program on one world, as many side by side as that runs well, of which so many are
+    ``running``; a trial has so many draws to find a start."""
 
     def __init__(self, program: Program, world: WitnessedWorld, most_draws: int = MOST_DRAWS) -> None:
         self._program = program
         self._world: ManyWorld = world if isinstance(world, ManyWorld) else Alone(world)
         self.together = together(program) if isinstance(world, ManyWorld) else 1
-        self._most_draws = most_draws
+        self.running, self._most_draws = 0, most_draws
         self._stages = stages_of(program)
         self._evaluation = Evaluation(program)
 
@@ -89,44 +93,53 @@ class TrialLoop:
         return trial
 
     def run_all(
-        self, numbers: Sequence[int], seed: int, on_drawing: OnDrawing | None = None
+        self, numbers: Iterable[int | None], seed: int, on_drawing: OnDrawing | None = None
     ) -> Generator[Trial, None, None]:
-        """Run these trials, ``together`` of them side by side; each comes as it ends, and as it were without others.
+        """Run these trials, ``together`` of them side by side, the next as others end; each comes as it ends, and as it
+        were without others.
 
+        numbers: they may come while others run; None where there is none yet, which is asked for again.
         on_drawing: is told now and then how many draws of a start a trial could not take up so far. The wall time of a
         trial beside others is an equal share of that of each tick.
         """
-        identity_of = identities(self._program, seed)
-        for first in range(0, len(numbers), self.together):
-            trials = [_Begun(number, identity_of(number)) for number in numbers[first : first + self.together]]
-            try:
-                yield from self._run(trials, seed, on_drawing)
-            finally:
-                self._world.close()
-
-    def _run(self, trials: Sequence[_Begun], seed: int, on_drawing: OnDrawing | None) -> Generator[Trial, None, None]:
-        begun = list[_Begun]()
-        for trial in trials:
-            began, failure = time.perf_counter(), None
-            try:
-                trial.start = self._take_up(trial, generator(seed, trial.number), on_drawing)
-                begun.append(trial)
-            except (NoFeasibleStartError, UnstableObjectError, WorldCrashError) as error:
-                failure = error
-            trial.wall_s = time.perf_counter() - began
-            if failure is not None:
-                yield self._trial(trial, *self._failed(failure))
-        if not begun:
-            return
+        course = Course(self._program, self._stages, self._world.info, self.together)
+        beside = SideBySide(course, self._world, self._graded)
+        identity_of, waiting, begun = identities(self._program, seed), iter(numbers), dict[int, _Begun]()
         try:
-            course = Course(self._program, self._stages, self._world.info, self._world.observe(), self._world.truth())
-        except WorldCrashError as error:
-            yield from (self._trial(trial, *self._failed(error)) for trial in begun)
-            return
-        for place, ended in course.run(self._world, self._graded):
-            trial = begun[place]
-            trial.wall_s += float(course.wall_s[place])
-            yield self._trial(trial, *ended, course.log, place)
+            while True:
+                joined, places = list[_Begun](), beside.free
+                if begun and places < self.together * FREE:
+                    places = 0
+                while len(joined) < places and (number := next(waiting, None)) is not None:
+                    trial = _Begun(number, identity_of(number))
+                    failure = self._begin(trial, generator(seed, number), on_drawing)
+                    if failure is None:
+                        joined.append(trial)
+                        self.running += 1
+                    else:
+                        yield self._trial(trial, *self._failed(failure))
+                if joined:
+                    begun |= dict(zip(beside.begin(len(joined)), joined, strict=True))
+                if not begun:
+                    return
+                for place, ended in beside.tick():
+                    trial = begun.pop(place)
+                    self.running -= 1
+                    trial.wall_s += float(course.wall_s[place])
+                    yield self._trial(trial, *ended, course.log, place)
+        finally:
+            self.running = 0
+            self._world.close()
+
+    def _begin(self, trial: _Begun, random: np.random.Generator, on_drawing: OnDrawing | None) -> Exception | None:
+        """A trial takes up a start in the world, or says why it cannot."""
+        began, failure = time.perf_counter(), None
+        try:
+            trial.start = self._take_up(trial, random, on_drawing)
+        except (NoFeasibleStartError, UnstableObjectError, WorldCrashError) as error:
+            failure = error
+        trial.wall_s = time.perf_counter() - began
+        return failure
 
     def _take_up(self, trial: _Begun, random: np.random.Generator, on_drawing: OnDrawing | None) -> Start:
         """The first start that the world takes up; those before it are added to the trial's rejected ones."""

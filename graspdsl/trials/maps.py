@@ -24,10 +24,12 @@ from graspdsl.places.validation import slot
 from graspdsl.spec.distributions import Choice, Normal, Uniform
 from graspdsl.spec.models import Spec
 from graspdsl.spec.trials import GridAxis, StartSettings
-from graspdsl.trials.course import Course, over, stages_of
+from graspdsl.trials.course import Course
 from graspdsl.trials.measures import orientation
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
+from graspdsl.trials.side_by_side import SideBySide, over
+from graspdsl.trials.stages import stages_of
 from graspdsl.trials.starts import ORIENTATION, PLACEMENT, generator
 from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.protocol import Truth
@@ -220,10 +222,12 @@ def floating_cells(
     world = FloatingWorld(names, sliding, weight, program.body.major_axis)
     stages, ended = stages_of(program), list[int]()
     for first in range(0, len(points), TOGETHER):
-        world.place(points[first : first + TOGETHER])
-        course = Course(program, stages, world.info, world.observe(), world.truth(), trajectories=False)
-        truths = list[Truth]()
-        for place, (ending, witness) in course.run(world, over):
+        chunk, truths = points[first : first + TOGETHER], list[Truth]()
+        course = Course(program, stages, world.info, len(chunk), trajectories=False)
+        beside = SideBySide(course, world, over)
+        world.place(chunk)
+        beside.begin(len(chunk))
+        for place, (ending, witness) in beside.run():
             assert witness is not None
             truths.append(witness.truth())
             ended.append(first + place)

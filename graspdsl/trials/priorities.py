@@ -91,20 +91,26 @@ def level_names(priorities: Sequence[Priority]) -> list[str]:
 class PriorityLog:
     """What becomes of the priorities of N trials side by side. What becomes of a tick is known with the next one."""
 
-    def __init__(self, pipelines: Sequence[Pipeline], count: int) -> None:
-        """``pipelines``: by the numbers of their stages."""
+    def __init__(self, pipelines: Sequence[Pipeline], count: int, ticks: int = 1) -> None:
+        """``pipelines``: by the numbers of their stages; ``ticks``: how many a trial may have."""
         self._pipelines, self._count = pipelines, count
         self.levels = max((len(pipeline.priorities) for pipeline in pipelines), default=0)
         self._stage, self._tick = np.full((2, count), -1, dtype=np.intp)
         self._noted: dict[int, dict[str, Any]] = {}
         self._latest: tuple[tuple[int, int], list[_Course]] | None = None  # asked for last
         self._told = {
-            stage: TickRows(count, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
+            stage: TickRows(count, ticks, np.float64) for stage, pipeline in enumerate(pipelines) if pipeline.priorities
         }
 
-    def note(self, tick: int, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
-        """What a stage makes of T ticks in a row, the first of which is given, of M of the trials, (T, M, ...), and
-        what has become of what it made of the one before each."""
+    def begin(self, trials: Rows) -> None:
+        """Other trials begin at these places."""
+        for told in self._told.values():
+            told.clear(trials, int(self._tick[trials].max()) + 1)
+        self._stage[trials], self._tick[trials], self._latest = -1, -1, None
+
+    def note(self, tick: Rows, trials: Rows, stage: int, seen: Observation, ticks: Ticks) -> None:
+        """What a stage makes of T ticks in a row, the first (M,) of which are given, of M of the trials, (T, M, ...),
+        and what has become of what it made of the one before each."""
         self._latest = None
         pipeline, count = self._pipelines[stage], len(seen.points)
         followed = (self._stage[trials] == stage) & (self._tick[trials] == tick - 1)
@@ -120,7 +126,7 @@ class PriorityLog:
         if followed.any():
             before = {name: values[trials[followed]][None] for name, values in noted.items()}
             after = {name: now[name][:1, followed] for name in _SEEN}
-            told.put(tick - 1, trials[followed], _told(pipeline.priorities, before, after))
+            told.put(tick[followed] - 1, trials[followed], _told(pipeline.priorities, before, after))
         if count > 1:
             before = {name: values[:-1] for name, values in now.items()}
             after = {name: now[name][1:] for name in _SEEN}

@@ -2,53 +2,30 @@
 
 from __future__ import annotations
 
-import functools
-import itertools
-import math
-import multiprocessing
-import multiprocessing.connection
-import multiprocessing.process
 import os
-import signal
-import sys
-import threading
 import time
-import traceback
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
-from multiprocessing import resource_tracker
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing, suppress
 from pathlib import Path
-from types import ModuleType
 
 from graspdsl.compiler.program import Program, Source, lacking, program_of
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed
 from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import pose_at_rest
 from graspdsl.plugins.answering import answered_for
+from graspdsl.trials.crashed import crashed
 from graspdsl.trials.identity import identities, other_origin, other_plugins, versions
-from graspdsl.trials.interruption import SIGNALS, interruption
+from graspdsl.trials.interruption import interruption
 from graspdsl.trials.loop import OnDrawing, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import PackedTrial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
+from graspdsl.trials.workers import Crew
 
 OnRecord = Callable[[TrialRecord], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
-AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
-GLANCE = 0.5  # s
-_STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
-
-
-class WorkerEndedError(Exception):
-    """A worker process ended before its trial did; ``from_outside`` when somebody or the system stopped it."""
-
-    def __init__(self, exit_code: int | None) -> None:
-        self.from_outside = exit_code is not None and -exit_code in _STOPPED
-        cause = "" if exit_code is None else f" ({_said_exit(exit_code)})"
-        advice = "; if memory is short, fewer --workers need less" if exit_code == -signal.SIGKILL else ""
-        super().__init__(f"a worker process ended too early{cause}{advice}")
 
 
 def new_run(path: Path, program: Program) -> RunFolder:
@@ -97,9 +74,11 @@ def execute(
 
     finished: those that are, where they have been read already, for that takes a look at every trajectory.
 
+    A trial that ends its worker process twice is one that has crashed.
+
     Raises DiagnosticError as ``pending`` does, when the folder cannot be written to, or when none of the first trials
-    could begin (on a grid, where each trial starts elsewhere, all may run); WorkerEndedError when a worker is killed.
-    After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
+    could begin (on a grid, where each trial starts elsewhere, all may run); WorkerEndedError when workers end one after
+    the other. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
     with folder.held():
         if finished is None:
@@ -109,13 +88,9 @@ def execute(
         if not numbers:
             return
         _can_be_run(program)
-        most = together(program)
         if workers is None:
             workers = min(os.cpu_count() or 1, max(1, len(numbers) // program.world.worth_a_worker))
         workers = min(workers, len(numbers))
-        rounds = math.ceil(len(numbers) / (workers * most))
-        size = math.ceil(len(numbers) / (workers * rounds))
-        batches = (numbers[first : first + size] for first in range(0, len(numbers), size))
         began, seed = time.perf_counter(), folder.manifest.seed
 
         def spend() -> None:
@@ -126,7 +101,13 @@ def execute(
         if workers == 1:
             trials = _here(program, numbers, seed, tell)
         else:
-            trials = _elsewhere(folder, batches, seed, workers, tell)
+            identity_of, limit = identities(program, seed), program.spec.trials.wall_limit
+
+            def crash(number: int, cause: str) -> PackedTrial:
+                return crashed(program, number, identity_of(number), cause).packed()
+
+            crew = Crew(source_of(folder), seed, workers, together(program), limit, tell, crash)
+            trials = crew.run(numbers)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
         with interruption.at_the_end(spend), closing(trials):
@@ -171,134 +152,7 @@ def _differs(manifest: Manifest, program: Program) -> Diagnostic:
     return Diagnostic("run-differs", f"this run was made with {made}; now there is {found}", hint="begin a new run")
 
 
-Worker = multiprocessing.process.BaseProcess
-Pipe = multiprocessing.connection.Connection  # batches of trials to a worker; to here what comes of them
-Answer = PackedTrial | tuple[int, int] | None  # or, as of OnDrawing, that one looks for a start; None after a batch
-
-
-def _work(pipe: Pipe, source: Source, seed: int) -> None:
-    """What a worker process does, until it is killed."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    try:
-        program = program_of(*source)
-        with answered_for(program.plugins):
-            loop = trial_loop(program)
-            while True:
-                for trial in loop.run_all(pipe.recv(), seed, functools.partial(_tell, pipe)):
-                    pipe.send(trial.packed(program.spec.trials.keep))
-                pipe.send(None)
-    except Exception as error:
-        error.add_note("".join(traceback.format_exception(error)))  # where it was, which does not travel by itself
-        with suppress(OSError):  # nobody is there any more
-            pipe.send(error)
-
-
-def _tell(pipe: Pipe, number: int, draws: int) -> None:
-    pipe.send((number, draws))
-
-
-def _end_with_parent() -> None:
-    """Should the parent of a worker be killed in the middle of a trial, nobody else would end it."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
 def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[PackedTrial, None, None]:
     with answered_for(program.plugins):
         for trial in trial_loop(program).run_all(numbers, seed, tell):
             yield trial.packed(program.spec.trials.keep)
-
-
-def _elsewhere(
-    folder: RunFolder, batches: Iterable[Sequence[int]], seed: int, workers: int, tell: OnDrawing
-) -> Generator[PackedTrial, None, None]:
-    source, left = source_of(folder), iter(batches)
-    crew: dict[Pipe, Worker] = {}
-    waiting = 0  # batches given out that are not done
-
-    def give(pipe: Pipe) -> int:
-        for batch in itertools.islice(left, 1):
-            with suppress(OSError):  # that it has ended is found when its trials are awaited
-                pipe.send(batch)
-            return 1
-        return 0
-
-    with interruption.at_the_end(lambda: _kill(crew)):
-        for _ in range(workers):
-            with interruption.whole():
-                pipe, worker = _started(source, seed)
-                crew[pipe] = worker
-        waiting = sum(give(pipe) for pipe in [*crew] * AHEAD)
-        while waiting:
-            # A signal just before a wait is heeded after it.
-            for pipe in set(crew).intersection(multiprocessing.connection.wait(list(crew), timeout=GLANCE)):
-                answer = _received(pipe, crew[pipe])
-                if answer is None:
-                    waiting += give(pipe) - 1
-                elif isinstance(answer, tuple):
-                    tell(*answer)
-                else:
-                    yield answer
-
-
-def _started(source: Source, seed: int) -> tuple[Pipe, Worker]:
-    context = multiprocessing.get_context("spawn")
-    here, there = context.Pipe()
-    worker = context.Process(target=_work, args=(there, source, seed), daemon=True)
-    with _sheltered(), _without_script():
-        worker.start()
-    there.close()
-    return here, worker
-
-
-@contextmanager
-def _without_script() -> Iterator[None]:
-    """Processes started within do not run the user's script anew, as multiprocessing has them do: it would start others
-    in turn."""
-    script = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = script
-
-
-def _received(pipe: Pipe, worker: Worker) -> Answer:
-    try:
-        answer: Answer | Exception = pipe.recv()
-    except (EOFError, OSError):
-        worker.join(timeout=GLANCE)
-        raise WorkerEndedError(worker.exitcode) from None
-    if isinstance(answer, Exception):
-        raise answer
-    return answer
-
-
-def _kill(crew: Mapping[Pipe, Worker]) -> None:
-    """Nobody waits for the trials that are still running."""
-    for worker in crew.values():
-        worker.kill()
-    for pipe, worker in crew.items():
-        worker.join(timeout=GLANCE)
-        pipe.close()
-
-
-@contextmanager
-def _sheltered() -> Iterator[None]:
-    """Processes started within never see the signals that a terminal or a batch system sends to all: this process
-    decides for them."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # as the first start would, which then lets signals through
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _said_exit(exit_code: int) -> str:
-    return f"exit code {exit_code}" if exit_code >= 0 else signal.Signals(-exit_code).name

@@ -13,29 +13,35 @@ from graspdsl.compiler.pipeline import Ticks
 from graspdsl.trials.measures import GraspMeasure
 from graspdsl.worlds.protocol import Observation, Truth
 
-ROOM = 256  # ticks to begin with
 ENOUGH = 64  # rows, a tick of a trial each, that are worked on at once: more would be no faster
 Row = Mapping[str, Array | Flags]
 
 
 class TickRows:
-    """Arrays by name, (ticks, N, ...), that grow with the ticks; zeros where nothing was put."""
+    """Arrays by name, (ticks, N, ...), of so many trials and ticks, or more where there are; zeros where nothing was
+    put. They take of memory what was put."""
 
-    def __init__(self, count: int, kind: type[np.floating[Any]]) -> None:
-        self._count, self._kind = count, kind
+    def __init__(self, count: int, ticks: int, kind: type[np.floating[Any]]) -> None:
+        self._count, self._ticks, self._kind = count, ticks, kind
         self._arrays: dict[str, Any] = {}
 
-    def put(self, tick: int, trials: Rows, row: Row) -> None:
-        """Write down T ticks from one on of M of the trials, (T, M, ...)."""
+    def put(self, tick: Rows, trials: Rows, row: Row) -> None:
+        """Write down T ticks, (T, M, ...), of M of the trials, for each from one (M,) on."""
+        count = len(next(iter(row.values())))
+        at, end = tick + np.arange(count)[:, None], int(tick.max()) + count
         for name, values in row.items():
             array = self._arrays.get(name)
             if array is None:
-                array = np.zeros((ROOM, self._count, *np.shape(values)[2:]), dtype=self._kind)
-            end = tick + len(values)
+                array = np.zeros((self._ticks, self._count, *np.shape(values)[2:]), dtype=self._kind)
             while end > len(array):
                 array = np.concatenate([array, np.zeros_like(array)])
-            array[tick:end, trials] = values
+            array[at, trials] = values
             self._arrays[name] = array
+
+    def clear(self, trials: Rows, ticks: int) -> None:
+        """Zeros again in the first of the ticks."""
+        for array in self._arrays.values():
+            array[:ticks, trials] = 0.0
 
     def of(self, trial: int, ticks: int) -> dict[str, Any]:
         """The arrays of a trial, (ticks, ...), each on its own."""
@@ -52,26 +58,27 @@ class Told(NamedTuple):
 
 
 class Ahead:
-    """What is told of trials tick by tick, kept until it is worth working on: ``write`` gets the first of T ticks in a
-    row, M of the trials, their phase and stage, and what is told of them. Of few trials there are many ticks, of many
-    trials one.
+    """What is told of trials tick by tick, kept until it is worth working on: ``write`` gets the first (M,) of T
+    ticks in a row of each of M trials, their phase and stage, and what is told of them. Of few trials there are many
+    ticks, of many trials one.
     """
 
-    def __init__(self, write: Callable[[int, Rows, int, int, Told], None]) -> None:
+    def __init__(self, write: Callable[[Rows, Rows, int, int, Told], None]) -> None:
         self._write = write
-        self._first, self._ticks, self._trials, self._place = 0, 0, np.zeros(0, dtype=np.intp), (0, 0)
+        self._first, self._trials = np.zeros((2, 0), dtype=np.intp)
+        self._ticks, self._place = 0, (0, 0)
         self._last: Told | None = None
         self._rooms: list[dict[str, Any]] = []  # of each part of what is told, by the names of its arrays
 
-    def tell(self, tick: int, trials: Rows, phase: int, stage: int, told: Told) -> None:
-        """A tick of M of the trials."""
+    def tell(self, tick: Rows, trials: Rows, phase: int, stage: int, told: Told) -> None:
+        """A tick of M of the trials, by the number (M,) that it has for each."""
         if len(trials) >= ENOUGH:
             self.write()
             one = Told(*(_with(part, {name: array[None] for name, array in _arrays(part)}) for part in told))
             self._write(tick, trials, phase, stage, one)
             return
-        follows = (phase, stage) == self._place and tick == self._first + self._ticks
-        if not (follows and np.array_equal(trials, self._trials)):
+        same = (phase, stage) == self._place and np.array_equal(trials, self._trials)
+        if not (same and np.array_equal(tick, self._first + self._ticks)):
             self.write()
             self._first, self._trials, self._place = tick, trials, (phase, stage)
             room = ENOUGH // len(trials)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from graspdsl.arrays import Array, Rows
 from graspdsl.basis.algebra import along
@@ -17,7 +18,7 @@ from graspdsl.basis.spaces import GradientSpace
 from graspdsl.objects.surfaces.compiled import compiled
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.worlds.kind import Ability, TrialStudio, View, WorldKind, WorldSettings
-from graspdsl.worlds.protocol import PARTIES, Command, Names, Observation, Start, Truth, WorldInfo
+from graspdsl.worlds.protocol import PARTIES, Command, Names, Observation, Start, Time, Truth, WorldInfo
 
 RATE = 50.0  # ticks a second, only to give steps a time
 
@@ -31,8 +32,9 @@ def slid(surface: Surface, points: Array, displacement: Array, normals: Array | 
     return surface.retract(points + (displacement - across))
 
 
-def sensed(surface: Surface, points: Array, time: float, weight: float, normals: Array | None = None) -> Observation:
-    """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. weight [N] of the object.
+def sensed(surface: Surface, points: Array, time: Time, weight: float, normals: Array | None = None) -> Observation:
+    """What contacts at points (..., k, 3) of a surface sense; leading axes are a batch. time [s]: (...) of each trial;
+    weight [N] of the object.
 
     normals: the inward ones (..., k, 3), where they are known.
     """
@@ -107,6 +109,7 @@ class FloatingWorld:
         none = np.zeros(0)
         self.info = WorldInfo(RATE, contacts, (), none, none)
         self.surface, self._weight, self._axis = surface, weight, np.array(axis)
+        self._ticks: npt.NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         self._on_surface = False  # to the last bit
         self.close()
 
@@ -114,12 +117,12 @@ class FloatingWorld:
         """Draw the contacts anew, evenly over the surface."""
         del start  # there is no hand to place
         self.close()
-        self._points = self._drawn(seed)
+        self._points, self._ticks = self._drawn(seed), np.asarray(0)
         self._normals = -self.surface.normals(self._points)
         return self.observe()
 
     def join(self, start: Start, seed: int) -> None:
-        """Draw the contacts of one more trial."""
+        """Draw the contacts of one more trial, which is beside the others from what is seen next on."""
         del start
         self._joining.append(self._drawn(seed)[None])
 
@@ -129,15 +132,14 @@ class FloatingWorld:
 
     def keep(self, rows: Rows) -> None:
         """The other trials are over."""
-        self._points, self._normals = self._points[rows], self._normals[rows]
+        self._points, self._normals, self._ticks = self._points[rows], self._normals[rows], self._ticks[rows]
 
     def step(self, command: Command) -> Observation:
-        """Move the contacts by a displacement (..., k, 3) [m]."""
+        """Move the contacts by a displacement (..., k, 3) [m], but for those of trials that have joined since."""
         if command.space != "x":
             raise ValueError(f"the floating world moves contacts (x), not {command.space}")
-        self._admit()
         self._slide(command.displacement)
-        self._ticks += 1
+        self._ticks = self._ticks + 1
         return self.observe()
 
     def _slide(self, displacement: Array) -> None:
@@ -183,12 +185,12 @@ class FloatingWorld:
     def witness(self, row: int) -> FloatingWorld:
         """One of the trials alone."""
         alone = copy.copy(self)
-        alone._points, alone._normals = self._points[row], self._normals[row]
+        alone._points, alone._normals, alone._ticks = self._points[row], self._normals[row], self._ticks[row]
         return alone
 
     def close(self) -> None:
         """No trials any more."""
-        self._ticks, self._joining = 0, list[Array]()
+        self._ticks, self._joining = np.zeros(0, dtype=np.intp), list[Array]()
         self._points = self._normals = np.zeros((0, len(self.info.contacts), 3))
         self._on_surface = False
 
@@ -200,6 +202,7 @@ class FloatingWorld:
             self._on_surface = False
             self._points = np.concatenate([self._points, joining])
             self._normals = np.concatenate([self._normals, -self.surface.normals(joining)])
+            self._ticks = np.concatenate([self._ticks, np.zeros(len(joining), dtype=np.intp)])
 
     def _drawn(self, seed: int) -> Array:
         return self.surface.sample(len(self.info.contacts), np.random.default_rng(seed))

@@ -18,6 +18,7 @@ PARTIES = ("contacts", "links", "table", "gravity")
 """What acts on the object: fingertips, what else of the robot touches it, the table, its weight."""
 
 Found = TypeVar("Found")
+Time = Any  # [s], a number; of many trials, an array of one for each
 Names = tuple[Any, ...]  # of links or joints; of many trials, a tuple of names for each
 
 
@@ -67,7 +68,7 @@ class WorldInfo:
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """One tick's sensing of k contacts and n joints, in the world frame.
+    """One tick's sensing of k contacts and n joints, in the world frame, at a time [s] from the trial's beginning on.
 
     points: (k, 3) contact points [m]; a contact that does not touch reports its fingertip's centre.
     normals: (k, 3) unit normals into the object; when it does not touch, that of the surface ahead where the sensor
@@ -78,7 +79,7 @@ class Observation:
     centre_of_mass: (3,) of the object [m] and weight: (3,) [N], known for an object that is held; else NaN.
     """
 
-    time: float
+    time: Time
     points: Array
     normals: Array
     forces: Array
@@ -92,8 +93,7 @@ class Observation:
 
     def row(self, row: int) -> Observation:
         """That of one of many trials."""
-        parts = {part.name: getattr(self, part.name) for part in dataclasses.fields(self)}
-        return Observation(**{name: part if name == "time" else part[row] for name, part in parts.items()})
+        return Observation(**{part.name: getattr(self, part.name)[row] for part in dataclasses.fields(self)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,16 +200,16 @@ class WitnessedWorld(World, Witness, Protocol):
 
 @runtime_checkable
 class ManyWorld(Witness, Protocol):
-    """A world that runs many trials side by side, a tick of all at a time.
+    """A world that runs many trials side by side, a tick of all at a time, whenever each has begun.
 
-    Observations, commands and truths of N trials have a leading axis (N,), but for the time, which they share; of the
-    names in a truth there is a tuple for each trial.
+    Observations, commands and truths of N trials have a leading axis (N,); of the names in a truth there is a tuple for
+    each trial.
     """
 
     info: WorldInfo
 
     def join(self, start: Start, seed: int) -> None:
-        """One more trial takes up its start, beside those that have. Raises InfeasibleStartError."""
+        """One more trial takes up its start, behind those that have. Raises InfeasibleStartError."""
         ...
 
     def observe(self) -> Observation:
@@ -217,7 +217,8 @@ class ManyWorld(Witness, Protocol):
         ...
 
     def step(self, command: Command) -> Observation:
-        """Carry out one tick of all. Raises WorldCrashError; where that names those that crashed, the others have gone
+        """Carry out one tick of those that the command is for, the first M of all. The others have joined since: they
+        are observed where they begin. Raises WorldCrashError; where that names those that crashed, the others have gone
         on, and can be observed once they alone are kept."""
         ...
 

@@ -143,20 +143,32 @@ def test_what_is_said_is_said_where_a_simulator_is_silenced(tmp_path: Path) -> N
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"the end")
 
 
-def test_worker_killed(undisturbed: list[dict[str, object]], tmp_path: Path) -> None:
-    code, out, messages = _stopped(tmp_path, 2, _to_a_worker(signal.SIGKILL))
-    assert (code, out) == (130, "")
-    cause = "a worker process ended too early (SIGKILL); if memory is short, fewer --workers need less"
-    assert messages.endswith(f"{cause}; {RESUME}")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
+def test_a_run_goes_on_without_a_worker(
+    number: signal.Signals, undisturbed: list[dict[str, object]], tmp_path: Path
+) -> None:
+    code, out, messages = _stopped(tmp_path, 2, _to_a_worker(number))
+    assert code == 0
+    assert numbers(json.loads(out)) == undisturbed
     assert "Traceback" not in messages
-    assert _resumed(tmp_path) == undisturbed
 
 
-def test_worker_crashed(tmp_path: Path) -> None:
-    code, out, messages = _stopped(tmp_path, 2, _to_a_worker(signal.SIGSEGV))
-    assert (code, out) == (3, "")
-    assert f"a worker process ended too early (SIGSEGV); {RESUME}" in messages
-    assert "the crash log is " in messages
+def test_a_run_that_is_killed_loses_no_finished_trial(tmp_path: Path) -> None:
+    """Whatever write to its table or its packs it was at: killed again and again, it comes to the same end."""
+    asked = ("run", FLOATING, "--trials", "400", "--workers", "2", "--no-report", "--out")
+    chance, told = random.Random(7), 0
+    for _ in range(4):
+        going_on = (tmp_path / "the run" / "run.json").exists()
+        words = ("run", "--resume", "the run", "--workers", "2", "--no-report") if going_on else (*asked, "the run")
+        with begun(*words, cwd=tmp_path) as run:
+            with suppress(subprocess.TimeoutExpired):
+                run.communicate(timeout=chance.uniform(2.0, 4.5))
+            run.kill()
+        folder = RunFolder.open(tmp_path / "the run")
+        assert len(folder.finished()) == len(folder.records()) >= told
+        told = len(folder.records())
+    whole = graspdsl(*asked, "whole", "--json", cwd=tmp_path)
+    assert _resumed(tmp_path) == numbers(json.loads(whole.stdout))
 
 
 def test_workers_do_not_outlive_a_killed_parent(tmp_path: Path) -> None:

@@ -149,6 +149,20 @@ class Beside(Floating):
         return Neighbourly(made.info.contacts, made.surface, 1.0)
 
 
+class OneClock(FloatingWorld):
+    def observe(self) -> Observation:
+        seen = super().observe()
+        return replace(seen, time=np.full_like(seen.time, np.max(seen.time, initial=0.0)))
+
+
+class LateComers(Floating):
+    """Contacts that float."""
+
+    def make(self, settings: WorldSettings) -> FloatingWorld:
+        made = super().make(settings)
+        return OneClock(made.info.contacts, made.surface, 1.0)
+
+
 class Dark:
     """A studio in which nothing is seen."""
 
@@ -215,6 +229,7 @@ MUTANTS = [
     ("infeasible", gliding(Choosy)),
     ("closing", gliding(Spent)),
     ("side-by-side", Beside()),
+    ("side-by-side", LateComers()),
     ("studio", Unseen()),
 ]
 

@@ -19,7 +19,7 @@ NUMBERED = re.findall(
 )
 NAMED = [re.findall(r"\[`([\w.]+)`\]\(\.\./(graspdsl/[\w/]+\.py)\)", step) for step in NUMBERED]
 # Named in passing: what calls the loop, what was done before it or is done for many ticks, values, and another world.
-BESIDES = {"Course.run", "TrialLoop.run_all", "Descent.displacement", "Logbook._write_down", "RigidWorld.step"}
+BESIDES = {"TrialLoop.run_all", "Descent.displacement", "Logbook._write_down", "RigidWorld.step"}
 BESIDES |= {"Observation", "Truth"}
 
 
@@ -37,7 +37,7 @@ def test_functions_stand_in_the_order_in_which_they_are_called() -> None:
         loop.run(0, program.spec.trials.seed)
     finally:
         sys.setprofile(None)
-    steps = [place for place, (name, _) in enumerate(called) if name == "FloatingWorld.step"]
+    steps = [place for place, (name, _) in enumerate(called) if name == "SideBySide.tick"]
     tick = iter(called[steps[2] : steps[3]])
     wanted = [(name, str(ROOT / path)) for step in NAMED for name, path in step if name not in BESIDES]
     assert len(wanted) > 20

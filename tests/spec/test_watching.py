@@ -32,7 +32,7 @@ def sight(count: int = 2, time: float = 0.0, **changes: object) -> Sight:
     nobody: list[tuple[str, ...]] = [()] * count
     plain = Sight(
         rows=np.arange(count),
-        time=time,
+        time=np.full(count, time),
         grasp=(2, 0, 1),
         touching=np.ones((count, 3), dtype=bool),
         touched=np.ones(count, dtype=bool),

@@ -204,7 +204,7 @@ def test_monitors_of_the_truth_are_those_that_see_more_than_a_hand(key: str) -> 
     def sight(time: float, links: Sequence[str], moved: float) -> Sight:
         return Sight(
             rows=np.array([0]),
-            time=time,
+            time=np.array([time]),
             grasp=(0, 1),
             touching=np.array([[True, False]]),
             touched=np.array([True]),

@@ -18,16 +18,16 @@ from worlds.floating_runs import ELLIPSOID_B, HOLD, RADIUS, SPHERE, contacts, en
 from graspdsl.compiler.pipeline import Ticks
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.spec.program import Until
-from graspdsl.trials.course import is_low, unmet
+from graspdsl.trials.end_conditions import is_low, unmet
 from graspdsl.trials.loop import TrialLoop, together
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import Trial
 from graspdsl.trials.setup import settings_of, trial_loop
-from graspdsl.worlds.floating import Floating
+from graspdsl.worlds.floating import Floating, FloatingWorld
 from graspdsl.worlds.mujoco.kind import Mujoco
 from graspdsl.worlds.mujoco.stage import MujocoStage
 from graspdsl.worlds.mujoco.stages import MujocoEngine
-from graspdsl.worlds.protocol import Command, Observation
+from graspdsl.worlds.protocol import Command, InfeasibleStartError, Observation, Start
 from graspdsl.worlds.rigid.world import RigidWorld
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -108,8 +108,10 @@ TOWEL_ROLL = program(
 
 @pytest.mark.slow
 def test_a_trial_of_rigid_bodies_is_the_same_to_the_last_bit_beside_others() -> None:
-    """With sensors that are random, and lifted at its end while others still run."""
-    found = {trial.record.number: timeless(trial) for trial in trial_loop(TOWEL_ROLL).run_all(range(3), 7)}
+    """With sensors that are random, and lifted at its end while others still run; the third begins where one ends."""
+    loop = trial_loop(TOWEL_ROLL)
+    loop.together = 2
+    found = {trial.record.number: timeless(trial) for trial in loop.run_all(range(3), 7)}
     assert found == {number: timeless(trial_loop(TOWEL_ROLL).run(number, 7)) for number in range(3)}
 
 
@@ -150,6 +152,46 @@ def test_trials_come_as_they_end() -> None:
     ticks = [len(trial.trajectory["time"]) for trial in trials]
     assert ticks == sorted(ticks)
     assert [trial.record.number for trial in trials] != list(range(12))
+
+
+def test_a_batch_stays_full_while_trials_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others begin at the places of those that end, several at once where there are many places."""
+    loop, rows, step = trial_loop(PROGRAMS[0]), list[int](), FloatingWorld.step
+    loop.together, places = 32, 30
+
+    def stepped(world: FloatingWorld, command: Command) -> Observation:
+        rows.append(len((seen := step(world, command)).time))
+        return seen
+
+    monkeypatch.setattr(FloatingWorld, "step", stepped)
+    ticks = [len(trial.trajectory["time"]) for trial in loop.run_all(range(96), 7)]
+    full = max(tick for tick, count in enumerate(rows) if count > places)
+    assert len(set(ticks)) > 1
+    assert min(rows[: full + 1]) > places
+    assert full > max(ticks)
+
+
+class Refusing(FloatingWorld):
+    """A world that takes up no start but every fourth."""
+
+    asked = 0
+
+    def join(self, start: Start, seed: int) -> None:
+        """One more trial, maybe."""
+        self.asked += 1
+        if self.asked % 4:
+            raise InfeasibleStartError("not this one")
+        super().join(start, seed)
+
+
+def test_trials_that_cannot_begin_keep_no_other_from_it() -> None:
+    """Though they were to take all places."""
+    made = PROGRAMS[0]
+    world = Refusing(made.robot.contacts, made.body.shape.surface(), 1.0)
+    loop = TrialLoop(made, world, most_draws=1)
+    loop.together = 2
+    found = {trial.record.number: trial.record.has_begun for trial in loop.run_all(range(12), 7)}
+    assert found == {number: number % 4 == 3 for number in range(12)}
 
 
 def test_trials_that_take_long_are_fewer_side_by_side() -> None:

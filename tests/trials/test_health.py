@@ -117,6 +117,10 @@ MENDED: dict[str, tuple[Callable[[RunFolder], object], dict[str, tuple[int, ...]
     "bytes of a trial that was never committed": (lambda run: run.packs.put(1, b"never committed"), {}),
     "a pack of nothing": (lambda run: run.packs.put(1000, b"never committed"), {}),
     "drafts": (lambda run: [(run.path / name).touch() for name in ("run.json.7.new", "trajectories/0.npz")], {}),
+    "a mending that was killed": (
+        lambda run: [run.packs.put(1, b"of nothing"), run.packs.file(1).with_suffix(".gz.new").touch()],
+        {},
+    ),
 }
 
 

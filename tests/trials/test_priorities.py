@@ -13,9 +13,10 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import Program, program_of, program_of_expression
 from graspdsl.objects.sphere import SmoothSphere
-from graspdsl.trials.course import led, stages_of
+from graspdsl.trials.batches import led
 from graspdsl.trials.priorities import CAP, CAUSES, LOWER, NOT_CARRIED_OUT, TOUCH, UNKNOWN, PriorityLog
 from graspdsl.trials.setup import trial_loop, world_of
+from graspdsl.trials.stages import stages_of
 from graspdsl.trials.starts import draws, generator
 from graspdsl.worlds.floating import sensed, slid
 from graspdsl.worlds.protocol import Command, InfeasibleStartError, Observation, Start
@@ -51,7 +52,7 @@ def following(made: Pipeline, start: Array, ticks: int) -> dict[str, Array]:
     for tick in range(ticks + 1):
         seen = sensed(SPHERE, here, tick / 50, 0.0)
         now = made.ticks(led(seen))
-        log.note(tick, np.array([0]), 0, led(led(seen)), led(now))
+        log.note(np.array([tick]), np.array([0]), 0, led(led(seen)), led(now))
         here = slid(SPHERE, here, now.displacement[0])
     return {name: values[:ticks, 0] for name, values in log.channels(0, ticks + 1).items()}
 
@@ -132,7 +133,7 @@ class SoftContacts:
         log = PriorityLog([made], 1)
         for tick in range(ticks + 1):
             now = made.ticks(led(seen))
-            log.note(tick, np.array([0]), 0, led(led(seen)), led(now))
+            log.note(np.array([tick]), np.array([0]), 0, led(led(seen)), led(now))
             step = self.carried_out * now.displacement[0]
             depth = np.sum((seen.jacobian @ step) * seen.normals, axis=-1, keepdims=True)
             forces = seen.forces * (1.0 - self.creeps) + self.stiffness * depth * seen.normals

@@ -15,8 +15,10 @@ from graspdsl.objects.ellipsoid import SmoothEllipsoid
 from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.objects.surfaces.surface import Surface
-from graspdsl.trials.course import Course, over, stages_of
+from graspdsl.trials.course import Course
 from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.side_by_side import SideBySide, over
+from graspdsl.trials.stages import stages_of
 from graspdsl.worlds.floating import RATE, FloatingWorld, sensed, slid
 
 RADIUS = 0.05  # m: the curvature radius that the gradients assume by default
@@ -102,8 +104,10 @@ def ends(
     made = program(formula, contacts(count), until=f"{until}, hold: {(hold - 1) / RATE!r}", steps=steps)
     world = FloatingWorld(made.robot.contacts, surface, 0.0)
     world.place(points)
-    course = Course(made, stages_of(made), world.info, world.observe(), world.truth(), trajectories=False)
-    for place, (ending, witness) in course.run(world, over):
+    course = Course(made, stages_of(made), world.info, len(points), trajectories=False)
+    beside = SideBySide(course, world, over)
+    beside.begin(len(points))
+    for place, (ending, witness) in beside.run():
         assert witness is not None
         found.points[place] = witness.truth().points
         if ending.outcome is Outcome.CONVERGED:
@@ -124,8 +128,10 @@ def kept(formula: str, count: int, surface: Surface) -> Flags:
     for first in range(0, len(points), 100):
         world = FloatingWorld(made.robot.contacts, surface, 0.0)
         world.place(points[first : first + 100])
-        course = Course(made, stages_of(made), world.info, world.observe(), world.truth())
-        for place, (ending, _) in course.run(world, over):
+        course = Course(made, stages_of(made), world.info, 100)
+        beside = SideBySide(course, world, over)
+        beside.begin(len(points[first : first + 100]))
+        for place, (ending, _) in beside.run():
             assert ending.outcome in (Outcome.TIMEOUT, Outcome.UNDONE)  # time was up
             rows = course.log.trajectory(place)
             ended = {name: rows[name][-HOLD:] for name in LOW}

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from graspdsl.arrays import Array
-from graspdsl.backends import NUMPY, Backend
+from graspdsl.backends import Backend
 from graspdsl.objects.surfaces.surface import Surface
 
 
 def compiled(surface: Surface, backend: Backend) -> Surface:
-    """The surface, with the normals and retractions of contacts that slide over it as a backend computes them."""
-    return surface if backend is NUMPY else _Compiled(surface, backend)
+    """The surface, with the normals and retractions of contacts that slide over it, which are loops, as a backend that
+    gains by these computes them."""
+    return _Compiled(surface, backend) if backend.loops else surface
 
 
 class _Compiled(Surface):
@@ -19,8 +20,8 @@ class _Compiled(Surface):
 
     def __init__(self, surface: Surface, backend: Backend) -> None:
         self.surface = surface
-        self._normals = backend.compiled(lambda points: (surface.normals(points),))
-        self._retracted = backend.compiled(lambda points: (surface.retract(points),))
+        self._normals = backend.compiled(lambda call, points: (call(surface.normals, points),))
+        self._retracted = backend.compiled(lambda call, points: (call(surface.retract, points),))
 
     @property
     def extent(self) -> tuple[float, float, float]:

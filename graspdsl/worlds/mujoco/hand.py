@@ -58,6 +58,8 @@ class MujocoHand:
         self._stiffnesses = list[float]()
         self.press([0.0] * len(tips))
         self.tips = tuple(self._tip(*each) for each in zip(robot.contacts, self._tip_bodies, strict=True))
+        spans = zip(model.body_geomadr.tolist(), model.body_geomnum.tolist(), strict=True)
+        self._geoms_of = [range(first, first + count) for first, count in spans]
         robots = [body for body in range(1, model.nbody) if model.body_rootid[body] == self._root]
         self.geoms: list[int] = np.flatnonzero(np.isin(model.geom_bodyid, robots)).tolist()
         self.is_mine = np.isin(np.arange(model.ngeom), self.geoms)
@@ -70,10 +72,9 @@ class MujocoHand:
         centre = np.array(shape.centre)
         return Fingertip(shape, centre, float(self._model.body_mass[body]), self._model.body_ipos[body] - centre)
 
-    def geoms_of(self, link: int) -> list[int]:
+    def geoms_of(self, link: int) -> Sequence[int]:
         """The geoms of a link."""
-        first = int(self._model.body_geomadr[link])
-        return list(range(first, first + int(self._model.body_geomnum[link])))
+        return self._geoms_of[link]
 
     @property
     def tip_links(self) -> tuple[int, ...]:

@@ -51,12 +51,13 @@ class MujocoStage:
         """Simulate a tick, and note what acted on the object at the beginning of each of its steps."""
         model, data, centre = self.state.model, self.state.data, self.state.data.xipos[self.scene.body]
         self.readings, self.centres = np.empty((len(targets), len(data.sensordata))), np.empty((len(targets), 3))
-        controls = self.hand.controls(targets)
+        control, reading = data.ctrl, data.sensordata
+        each = list(zip(self.hand.controls(targets), self.readings, self.centres, strict=True))
         for ahead in stretches(len(targets), sense):
-            for step in range(ahead.start, ahead.stop):
-                data.ctrl[:] = controls[step]
+            for told, readings, centres in each[ahead]:
+                control[:] = told
                 mujoco.mj_step(model, data)
-                self.readings[step], self.centres[step] = data.sensordata, centre
+                readings[:], centres[:] = reading, centre
             self.state.moved()
         self.state.must_be_finite()
 
@@ -86,7 +87,9 @@ class MujocoStage:
         least = within
         for geom in geoms:
             for other in others:
-                least = min(least, mujoco.mj_geomDistance(model, data, geom, other, max(least, 0.0), None))
+                distance = mujoco.mj_geomDistance(model, data, geom, other, least if least > 0.0 else 0.0, None)
+                if distance < least:
+                    least = distance
         return least if least < within else math.inf
 
     def close(self) -> None:

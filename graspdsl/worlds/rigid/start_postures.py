@@ -40,6 +40,8 @@ class StartPostures:
         if resting is not None:
             self._stage.scene.place(resting)
         self._hand = self._stage.hand
+        corners = self._stage.scene.object_corners()
+        self._low, self._high = corners.min(axis=0), corners.max(axis=0)
         # What stands still stands where it stands: an arm's base on the table.
         self._moved = self._hand.links_beyond(list(self._robot.joints)) if self._reach else None
         self._span = FingertipMotion(self._robot).span() + ROUNDING
@@ -104,13 +106,13 @@ class StartPostures:
             raise InfeasibleStartError(f"{name} starts closed")
         links = self._hand.links_beyond(joints)
         step = 1.0 / float((np.abs(motion) / self._steps).max())
-        candidates = [posture + share * motion for share in np.arange(0.0, 1.0, step)]
+        shares = np.arange(0.0, 1.0, step)
         self._hand.place(posture)
         travel = step * self._speed(motion, links)  # m a step, at most
         ready: Array | None = None
         met, number = False, 0
-        while number < len(candidates):
-            self._hand.place(candidates[number])
+        while number < len(shares):
+            self._hand.place(posture + shares[number] * motion)
             distance = min(self._stage.distance(tip, SEEN_AHEAD) for tip in tips)
             free = max(0, math.floor((min(distance, SEEN_AHEAD) - PRESHAPE - ROUNDING) / travel))  # steps
             others = self._stage.clearance(links - {*tips}, CLEARANCE + ROUNDING + free * travel)
@@ -122,8 +124,8 @@ class StartPostures:
             elif distance >= PRESHAPE or (ready is None and distance >= CLEARANCE):
                 if others < math.inf:
                     free = min(free, max(0, math.floor((others - CLEARANCE - ROUNDING) / travel)))
-                number = min(number + free, len(candidates) - 1)
-                ready = candidates[number]
+                number = min(number + free, len(shares) - 1)
+                ready = posture + shares[number] * motion
             number += 1
         how = "meets the object or the table with another link" if met else "closes without meeting the object"
         raise InfeasibleStartError(f"{name} {how}")
@@ -149,5 +151,4 @@ class StartPostures:
 
     def _distance_from(self, point: Array) -> float:
         """A distance [m] that the object is away from a point (3,) at the least: that of the box it is in."""
-        corners = self._stage.scene.object_corners()
-        return float(np.linalg.norm(point - np.clip(point, corners.min(axis=0), corners.max(axis=0))))
+        return float(np.linalg.norm(point - np.clip(point, self._low, self._high)))

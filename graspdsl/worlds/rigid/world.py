@@ -101,7 +101,8 @@ class RigidWorld:
         self._hold(kept)
 
     def step(self, command: Command) -> Observation:
-        """Displace the joints' targets of all trials by the command, within their limits, and simulate one tick."""
+        """Displace the joints' targets by the command, within their limits, and simulate one tick, but not of trials
+        that have joined since."""
         displacement = command.displacement[None] if self._is_one else command.displacement
         for trial in self._trials:
             trial.stopped = np.zeros(len(self.info.joints), dtype=bool)
@@ -135,7 +136,7 @@ class RigidWorld:
             centres, _ = stages.object_poses()
             weights[:] = 0.0, 0.0, -trials[0].stage.scene.mass * self.settings.gravity
         seen = Observation(
-            time=trials[0].ticks / CONTROL_RATE,
+            time=np.array([trial.ticks for trial in trials]) / CONTROL_RATE,
             points=tips.points,
             normals=tips.normals,
             forces=tips.forces,

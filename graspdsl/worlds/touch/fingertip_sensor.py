@@ -94,7 +94,8 @@ class FingertipSensor(ABC):
     ``name``: as a spec has it; ``model``: of its settings there; ``called``: what contacts are said to have;
     ``needs_cells``: whether the hand must have a load cell before each tip; ``tares``: whether it has a zero;
     ``sees_ahead``: whether it may know the surface before a tip that does not touch.
-    A sensor that takes samples has a ``signal``; one without sees what is there, at once.
+    A sensor that takes samples has a ``signal``; one without sees what is there, at once. ``alike`` (k,): of each tip,
+    the first one of its shape.
     """
 
     name: ClassVar[str]
@@ -111,6 +112,8 @@ class FingertipSensor(ABC):
         """spec: the settings, of the ``model``; gravity [m/s²]; seed: of all that is random."""
         self.spec, self.hand, self.gravity, self.clock = spec, hand, gravity, clock
         self.surfaces = [fingertip_surface(tip.shape) for tip in hand.tips]
+        shapes = [tip.shape for tip in hand.tips]
+        self.alike = np.array([shapes.index(shape) for shape in shapes])
         self.frames: Frames = []
         self.zero = np.zeros(())
         self._at_rest: list[Array] = []
@@ -163,9 +166,10 @@ class FingertipSensor(ABC):
         """The contact of a tip that touches, in the present reading."""
 
     @classmethod
-    def strengths_of(cls, sensors: Sequence[Self], step: int, frames: TipFrames) -> Array:
-        """The strengths (N, k) of N hands side by side."""
-        return np.array([sensor.strengths(step, frames.of(row)) for row, sensor in enumerate(sensors)])
+    def strengths_of(cls, sensors: Sequence[Self], steps: Sequence[int], frames: TipFrames) -> Array:
+        """The strengths (N, k) of N hands side by side, each at its own step."""
+        each = enumerate(zip(sensors, steps, strict=True))
+        return np.array([sensor.strengths(step, frames.of(row)) for row, (sensor, step) in each])
 
     @classmethod
     def contacts_of(cls, sensors: Sequence[Self], touching: Flags, frames: TipFrames) -> Array:

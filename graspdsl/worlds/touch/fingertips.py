@@ -80,7 +80,7 @@ class Fingertips:
 
 def read(hands: Sequence[Fingertips], frames: TipFrames, jacobians: Jacobians) -> TipReading:
     """Points, normals and forces of all contacts of alike hands side by side, as their sensing gives them."""
-    kind, sensors, steps = type(hands[0].sensor), [hand.sensor for hand in hands], hands[0].steps
+    kind, sensors, steps = type(hands[0].sensor), [hand.sensor for hand in hands], [hand.steps for hand in hands]
     touch, centres = hands[0].touch, hands[0].centres
     strengths = kind.strengths_of(sensors, steps, frames)
     touched = np.array([hand.touching for hand in hands])

@@ -46,14 +46,14 @@ class LoadCells(FingertipSensor):
     def read(self, step: int) -> Array:
         """The loads (k, 6) that the object puts on the tips."""
         _, rotations = zip(*self.hand.frames(), strict=True)
-        return np.asarray(self._loads([self], step, np.array(rotations)[None])[0])
+        return np.asarray(self._loads([self], [step], np.array(rotations)[None])[0])
 
     @classmethod
-    def _loads(cls, sensors: Sequence[Self], step: int, rotations: Array) -> Array:
+    def _loads(cls, sensors: Sequence[Self], steps: Sequence[int], rotations: Array) -> Array:
         """The (N, k, 6) loads that objects put on the tips, about their shapes' centres, in the tips' frames, which are
         turned by (N, k, 3, 3)."""
         tips = sensors[0].hand.tips
-        raw = np.array([super(LoadCells, sensor).read(step) for sensor in sensors])
+        raw = np.array([super(LoadCells, sensor).read(step) for sensor, step in zip(sensors, steps, strict=True)])
         masses = np.array([tip.mass for tip in tips])
         levers = np.array([tip.weight_lever for tip in tips])
         # Along the rows of the rotations; the joint holds up the weights of the tips, and answers to the object's load.
@@ -62,9 +62,9 @@ class LoadCells(FingertipSensor):
         return np.concatenate([forces, cross(levers, forces) - raw[..., 3:]], axis=-1)
 
     @classmethod
-    def strengths_of(cls, sensors: Sequence[Self], step: int, frames: TipFrames) -> Array:
+    def strengths_of(cls, sensors: Sequence[Self], steps: Sequence[int], frames: TipFrames) -> Array:
         """The forces (N, k) [N] of the loads, friction and all."""
-        loads = cls._loads(sensors, step, frames.rotations) - np.array([sensor.zero for sensor in sensors])
+        loads = cls._loads(sensors, steps, frames.rotations) - np.array([sensor.zero for sensor in sensors])
         for sensor, load in zip(sensors, loads, strict=True):
             sensor.loads = load
         return length(loads[..., :3])
@@ -74,8 +74,10 @@ class LoadCells(FingertipSensor):
         """Where the loads of tips act."""
         loads, tips = np.array([sensor.loads for sensor in sensors])[touching], np.nonzero(touching)[1]
         forces, from_centres, normals = loads[:, :3], np.empty((len(tips), 3)), np.empty((len(tips), 3))
-        for tip, surface in enumerate(sensors[0].surfaces):
-            if (chosen := tips == tip).any():
+        kinds = sensors[0].alike
+        for kind in set(kinds.tolist()):
+            surface, chosen = sensors[0].surfaces[kind], kinds[tips] == kind
+            if chosen.any():
                 from_centres[chosen] = surface.contacts(forces[chosen], loads[chosen, 3:])
                 normals[chosen] = surface.normals(from_centres[chosen])
         places = np.array([tip.centre for tip in sensors[0].hand.tips])[tips] + from_centres
@@ -87,7 +89,7 @@ class LoadCells(FingertipSensor):
         """The forces (k,) [N] of the loads, friction and all."""
         self.frames = frames
         origins, rotations = (np.array(part)[None] for part in zip(*frames, strict=True))
-        return np.asarray(self.strengths_of([self], step, TipFrames(origins, rotations))[0])
+        return np.asarray(self.strengths_of([self], [step], TipFrames(origins, rotations))[0])
 
     def contact(self, tip: int) -> TipContact:
         """Where the load of a tip acts."""

@@ -1,12 +1,10 @@
-"""What evaluates the functions of a tick: numpy as they stand, or JAX, which compiles them for a CPU or a GPU."""
+"""JAX, which compiles all steps as one for a CPU or a GPU."""
 
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache, partial
 from itertools import accumulate, pairwise
 from typing import Any, ClassVar
@@ -14,59 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from graspdsl.arrays import Array
-
-Function = Callable[..., tuple[Array, ...]]
-Batched = Callable[..., tuple[Array, ...]]  # as a function, but first of all told the shape of a batch
+from graspdsl.backends.backend import Backend, Batched, Function, Step
 
 FEW, SPARE = 64, 4  # rows that cost next to nothing, and how many times as many as there are trials a function is given
-
-
-class Backend(ABC):
-    """What evaluates functions of arrays that are written against their namespace.
-
-    ``libraries``: distributions that it needs and its numbers depend on, with how they are installed.
-    """
-
-    name: ClassVar[str]
-    about: ClassVar[str]
-    libraries: ClassVar[Mapping[str, str]] = {}
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Those of its libraries that are not installed."""
-        return tuple(name for name in self.libraries if importlib.util.find_spec(name) is None)
-
-    @abstractmethod
-    def compiled(self, function: Function) -> Batched:
-        """What does the same to arrays of numpy, told first of all the shape of the trials side by side in each."""
-
-    @abstractmethod
-    def own(self, function: Callable[..., Array]) -> Callable[..., Array]:
-        """A function as it is called while another is compiled that calls it."""
-
-    @abstractmethod
-    def refusal(self, function: Callable[..., Array], *arrays: Array) -> str:
-        """Why it cannot evaluate a function, of arrays of these shapes; empty where it can."""
-
-
-class Numpy(Backend):
-    """Calls them."""
-
-    name = "numpy"
-    about = "each step by itself"
-
-    def compiled(self, function: Function) -> Batched:
-        """The function."""
-        return lambda _, *arrays: function(*arrays)
-
-    def own(self, function: Callable[..., Array]) -> Callable[..., Array]:
-        """The function."""
-        return function
-
-    def refusal(self, function: Callable[..., Array], *arrays: Array) -> str:
-        """It can all."""
-        del function, arrays
-        return ""
 
 
 class Jax(Backend):
@@ -74,32 +22,21 @@ class Jax(Backend):
 
     name = "jax"
     about = "all steps compiled as one"
+    loops = True
     libraries: ClassVar = {"jax": "pip install 'graspdsl[jax]'", "jaxlib": "pip install 'graspdsl[jax]'"}
 
     def compiled(self, function: Function) -> Batched:
         """Compiled when it is first called."""
         return _Compiled(function)
 
-    def own(self, function: Callable[..., Array]) -> Callable[..., Array]:
-        """A ufunc of numpy becomes that of JAX; all others know what arrays they are given."""
-        jnp = _jax().numpy
-        if isinstance(function, partial):
-            return partial(self.own(function.func), *function.args, **function.keywords)
-        called = getattr(jnp, function.__name__) if isinstance(function, np.ufunc) else function
-        return lambda *arrays: jnp.asarray(called(*arrays))
-
-    def refusal(self, function: Callable[..., Array], *arrays: Array) -> str:
-        """What JAX says when it traces a function that is not written for its arrays."""
+    def refusal(self, step: Step, *arrays: Array) -> str:
+        """What JAX says when it traces a step that is not written for its arrays."""
         jax = _jax()
         try:
-            jax.eval_shape(self.own(function), *arrays)
+            jax.eval_shape(partial(_call, step), *arrays)
         except (jax.errors.JAXTypeError, TypeError, AttributeError) as error:
             return str(error).partition("\n")[0]
         return ""
-
-
-BACKENDS: dict[str, Backend] = {backend.name: backend for backend in (Numpy(), Jax())}
-NUMPY = BACKENDS[Numpy.name]
 
 
 class _Compiled:
@@ -150,11 +87,25 @@ def _jitted(
     jax = _jax()
 
     def in_a_row(*arrays: Array) -> Array:
-        row: Array = jax.numpy.concatenate([made.ravel() for made in function(*arrays)])
+        row: Array = jax.numpy.concatenate([made.ravel() for made in function(_call, *arrays)])
         return row
 
-    made = jax.eval_shape(function, *(jax.ShapeDtypeStruct(*kind) for kind in kinds))
+    made = jax.eval_shape(partial(function, _call), *(jax.ShapeDtypeStruct(*kind) for kind in kinds))
     return jax.jit(jax.vmap(in_a_row) if batched else in_a_row), tuple(one.shape for one in made)
+
+
+def _call(step: Step, *arrays: Array) -> Array:
+    """What a step makes of arrays of JAX."""
+    called: Array = _jax().numpy.asarray(_own(step)(*arrays))
+    return called
+
+
+def _own(step: Step) -> Step:
+    """A ufunc of numpy becomes that of JAX; all others know what arrays they are given."""
+    if isinstance(step, partial):
+        return partial(_own(step.func), *step.args, **step.keywords)
+    own: Step = getattr(_jax().numpy, step.__name__) if isinstance(step, np.ufunc) else step
+    return own
 
 
 @cache
