@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import DiagnosticError
@@ -16,6 +17,7 @@ from graspdsl.trials.identity import check_origin
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.migrations import OF_ONE_TRIAL, is_of_earlier_layout, migrate
 from graspdsl.trials.packs import DamagedPieceError, Piece
+from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.rows import COLUMNS
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder
@@ -24,6 +26,7 @@ from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, unpacke
 # Drafts of files that a process which was killed had begun, and files of an earlier layout that are in packs by now.
 LEFT_OVER = ("*.new", f"{TRAJECTORIES}/*.new", "figures/*.new", f"{TRAJECTORIES}/{OF_ONE_TRIAL}")
 REPAIR, RESUME, ANEW = "--repair", "run --resume", "begin a new run"
+BOTH, LATER = f"{REPAIR}, then {RESUME}", "see to the rest first"
 
 
 class Verdict(enum.StrEnum):
@@ -79,7 +82,8 @@ class Health:
 def examined(folder: RunFolder, *, mine: bool = False) -> Health:
     """What of a run is whole, part by part; it may be run meanwhile, and is told as it is now.
 
-    mine: whether who asks has the lock of its folder.
+    Nothing of a run can be mended whose trials did not come from the spec that it holds: by another spec all that is
+    whole would look damaged. mine: whether who asks has the lock of its folder.
     """
     health, manifest = Health(), folder.manifest
     health.whole("manifest", f"{manifest.name}, seed {manifest.seed}, {manifest.asked} asked for")
@@ -90,20 +94,25 @@ def examined(folder: RunFolder, *, mine: bool = False) -> Health:
             table.execute("BEGIN")  # so that rows and places are of one moment
             if not _table(table, health):
                 return health
-            numbers = _rows(folder, program, table, health)
+            rows = table.execute(f"SELECT rowid, {', '.join(COLUMNS)} FROM trials ORDER BY number").fetchall()
             columns = ", ".join(Piece._fields)
             pieces = [Piece(*row) for row in table.execute(f"SELECT {columns} FROM trajectories ORDER BY number")]
     except sqlite3.Error as error:
         health.fault("table", f"{TABLE} cannot be read: {error}", ANEW)
         return health
-    kept = _trajectories(folder, program, pieces, numbers, health)
-    if not running:  # else the end of a pack, or a draft, is being written
+    if program is None and manifest.plugins:
+        health.note("rows", "not looked at: what they may hold is known once the spec can be read", LATER)
+        return health
+    believed, doubted = _told_apart(folder, rows)
+    layout = _origin(folder, program, believed, health) if program is not None else None
+    known = program is not None and health.sound
+    _rows(doubted, believed, health, known=known)
+    kept = _trajectories(folder, layout, pieces, {record.number for record in believed}, health, known=known)
+    if known and not running:  # else the end of a pack, or a draft, is being written
         _bytes_of_nothing(folder, kept, health)
         _left_over(folder, health)
-    if program is not None and not health.rows:
-        _origin(folder, program, health)
-    said = "running" if running else "complete" if len(numbers) == manifest.asked else "unfinished"
-    health.whole("state", f"{said}: {len(numbers)} of {manifest.asked}")
+    said = "running" if running else "complete" if len(believed) == manifest.asked else "unfinished"
+    health.whole("state", f"{said}: {len(believed)} of {manifest.asked}")
     return health
 
 
@@ -133,56 +142,74 @@ def _table(table: sqlite3.Connection, health: Health) -> bool:
     return False
 
 
-def _rows(folder: RunFolder, program: Program | None, table: sqlite3.Connection, health: Health) -> set[int]:
-    """The numbers of the trials that are there."""
-    if program is None and folder.manifest.plugins:
-        health.note("rows", "not looked at: what they may hold is known once the spec can be read")
-        return {number for (number,) in table.execute("SELECT number FROM trials")}
-    numbers, reasons, doubted = set[int](), list[str](), list[int]()
-    for row_number, *row in table.execute(f"SELECT rowid, {', '.join(COLUMNS)} FROM trials ORDER BY number"):
+def _told_apart(
+    folder: RunFolder, rows: Sequence[Sequence[Any]]
+) -> tuple[list[TrialRecord], list[tuple[Sequence[Any], str]]]:
+    """The trials that rows hold, and the rows that hold none, with why; each row begins with SQLite's number of it."""
+    believed, doubted = list[TrialRecord](), list[tuple[Sequence[Any], str]]()
+    for row in rows:
         try:
-            numbers.add(folder.believed(row).number)
+            believed.append(folder.believed(row[1:]))
         except DiagnosticError as error:
-            reasons.append(error.diagnostics[0].message.rpartition("cannot be read: ")[2])
-            health.rows.append(row_number)
-            doubted += [row[0]] if isinstance(row[0], int) else []
-    if reasons:
-        health.fault("rows", f"{len(reasons)} that no trial has; the first: {reasons[0]}", _BOTH, doubted)
-    else:
-        health.whole("rows", str(len(numbers)))
-    return numbers
+            doubted.append((row, error.diagnostics[0].message.rpartition("cannot be read: ")[2]))
+    return believed, doubted
 
 
-_BOTH = f"{REPAIR}, then {RESUME}"
+def _origin(folder: RunFolder, program: Program, believed: Sequence[TrialRecord], health: Health) -> Layout | None:
+    """The layout of its trajectories, where its trials are known to be the program's."""
+    try:
+        warnings = check_origin(folder, program, {record.number: record.identity for record in believed})
+    except DiagnosticError as error:
+        health.fault("origin", error.diagnostics[0].message, error.diagnostics[0].hint or "")
+        return None
+    for warning in warnings:
+        health.note("origin", warning.message)
+    if not warnings:
+        health.whole("origin", "its trials came from this spec, these files and this seed")
+    return None if warnings else Layout.of(program)
+
+
+def _rows(
+    doubted: Sequence[tuple[Sequence[Any], str]], believed: Sequence[TrialRecord], health: Health, *, known: bool
+) -> None:
+    if not doubted:
+        health.whole("rows", str(len(believed)))
+        return
+    numbers = [row[1] for row, _ in doubted if isinstance(row[1], int)]
+    said = f"{len(doubted)} that no trial has; the first: {doubted[0][1]}"
+    health.fault("rows", said, BOTH if known else LATER, numbers)
+    health.rows = [row[0] for row, _ in doubted] if known else []
 
 
 def _trajectories(
-    folder: RunFolder, program: Program | None, pieces: Sequence[Piece], numbers: set[int], health: Health
+    folder: RunFolder, layout: Layout | None, pieces: Sequence[Piece], numbers: set[int], health: Health, *, known: bool
 ) -> list[Piece]:
     """The pieces that are whole and of a trial."""
-    layout, kept, damaged, reasons = Layout.of(program) if program else None, list[Piece](), list[int](), list[str]()
+    kept, damaged, reasons = list[Piece](), list[int](), list[str]()
+    placed = {piece.number for piece in pieces}
+    absent, of_none = numbers - placed, placed - numbers
     for piece in pieces:
-        if piece.number not in numbers:
-            health.pieces.append(piece.number)
+        if piece.number in of_none:
             continue
         try:
             if any(type(value) is not int or value < 0 for value in piece):
                 raise DamagedPieceError("it has no place")
             unpacked(folder.packs.content(piece), layout)
         except (DamagedPieceError, DamagedTrajectoryError) as error:
-            health.pieces.append(piece.number)
             damaged.append(piece.number)
             reasons.append(str(error))
         else:
             kept.append(piece)
     if damaged:
-        health.fault("trajectories", f"{len(damaged)} damaged; the first: {reasons[0]}", _BOTH, damaged)
-    if absent := numbers.difference(kept_or_not := {piece.number for piece in pieces}):
-        health.fault("trajectories", f"{len(absent)} not there", RESUME, absent)
-    elif not damaged:
+        said = f"{len(damaged)} damaged; the first: {reasons[0]}"
+        health.fault("trajectories", said, BOTH if known else LATER, damaged)
+    if absent:
+        health.fault("trajectories", f"{len(absent)} not there", RESUME if known else LATER, absent)
+    if not damaged and not absent:
         health.whole("trajectories", str(len(kept)))
-    if of_none := kept_or_not - numbers:
-        health.note("trajectories", f"{len(of_none)} of no trial", REPAIR)
+    if of_none:
+        health.note("trajectories", f"{len(of_none)} of no trial", REPAIR if known else LATER)
+    health.pieces = [*damaged, *of_none] if known else []
     return kept
 
 
@@ -202,20 +229,8 @@ def _bytes_of_nothing(folder: RunFolder, kept: Sequence[Piece], health: Health) 
 def _left_over(folder: RunFolder, health: Health) -> None:
     health.left = sorted(file for pattern in LEFT_OVER for file in folder.path.glob(pattern) if file.is_file())
     if health.left:
-        first = health.left[0].relative_to(folder.path)
-        health.note("files", f"{len(health.left)} left over, {first} and so on", REPAIR)
-
-
-def _origin(folder: RunFolder, program: Program, health: Health) -> None:
-    try:
-        warnings = check_origin(folder, program)
-    except DiagnosticError as error:
-        health.fault("origin", error.diagnostics[0].message, error.diagnostics[0].hint or "")
-        return
-    for warning in warnings:
-        health.note("origin", warning.message)
-    if not warnings:
-        health.whole("origin", "its trials came from this spec, these files and this seed")
+        others = f" and {len(health.left) - 1} others" if len(health.left) > 1 else ""
+        health.note("files", f"left over: {health.left[0].relative_to(folder.path)}{others}", REPAIR)
 
 
 def mended(folder: RunFolder) -> list[str]:

@@ -26,7 +26,7 @@ from graspdsl.trials.trajectories import CHANNELS, CONTACTS, TICK, packed
 
 SPEC = Path(__file__).parents[2] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 TRIALS = 4
-PARTS = ["manifest", "spec", "table", "rows", "trajectories", "packs", "origin", "state"]
+PARTS = ["manifest", "spec", "table", "origin", "rows", "trajectories", "packs", "state"]
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +166,36 @@ def test_what_cannot_be_mended_is_said_and_left(
     mended(run)
     assert {*_faults(run)} == {part}
     assert {file: file.read_bytes() for file in run.path.rglob("*") if file.is_file()} == before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda run: _written(run, "spec.yaml", "γ3: point-3", "γ3: point-3, γ4: point-4"),
+        lambda run: _written(run, "spec.yaml", "graspdsl: 1", "graspdsl: one"),
+        lambda run: _written(run, "run.json", f'"asked": {TRIALS}', '"asked": 2'),
+    ],
+    ids=["another spec", "no spec", "fewer asked for"],
+)
+def test_nothing_is_taken_from_a_run_that_does_not_go_with_its_spec(
+    change: Callable[[RunFolder], object], run: RunFolder
+) -> None:
+    """Not even what is damaged: all might look so."""
+    lose_trajectory(run, 1)
+    _alter(run, "UPDATE trials SET start = 'x' WHERE number = 0")
+    run.packs.put(1, b"of nothing")
+    change(run)
+    run = RunFolder.at(run.path)
+    before = {file: file.read_bytes() for file in run.path.rglob("*") if file.is_file()}
+    assert {*_faults(run)} >= {"rows"}
+    assert mended(run) == []
+    assert {file: file.read_bytes() for file in run.path.rglob("*") if file.is_file()} == before
+
+
+def _written(run: RunFolder, file: str, before: str, after: str) -> None:
+    text = (run.path / file).read_text("utf-8")
+    assert before in text
+    (run.path / file).write_text(text.replace(before, after), "utf-8")
 
 
 def test_a_manifest_that_cannot_be_read(run: RunFolder) -> None:
