@@ -30,6 +30,7 @@ from graspdsl.report.run_tables import (
 )
 from graspdsl.report.summary import At, Converged, Count, Medians, Stopped, Summary
 from graspdsl.report.tables import Format, Table, Value
+from graspdsl.report.wording import NOTHING
 from graspdsl.trials.columns import Column
 from graspdsl.trials.priorities import CAUSES
 from graspdsl.trials.trajectories import CHANNELS, CONTACTS, JOINTS
@@ -75,7 +76,8 @@ def columns_of_table(table: Table) -> dict[str, Column]:
     for place, column in enumerate(table.columns):
         cells = [_cell(row[place], column.format) for row in table.rows]
         known = [(form, value) for form, value in cells if form.sorts_by(value) is not None]
-        if all(form.written(value) == form.written(None) or form.sorts_by(value) is not None for form, value in cells):
+        worded = any(form.sorts_by(value) is None and form.written(value) != NOTHING for form, value in cells)
+        if not worded and (known or not column.format.words):
             units = {form.unit for form, _ in known} or {column.format.unit}
             unit = (units.pop() or "1") if len(units) == 1 else ""
             if known and all(form.ends for form, _ in known):
