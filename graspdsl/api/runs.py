@@ -65,8 +65,9 @@ def run(
     file, as for :func:`load`.
 
     Raises DiagnosticError where the spec has faults, where the folder cannot be written to, or when none of the first
-    trials could begin; WorkerEndedError when a worker is killed. After these, as after KeyboardInterrupt, the trials
-    that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker.
+    trials could begin; WorkerEndedError where workers end one after the other. After these, as after KeyboardInterrupt,
+    the trials that were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one
+    worker.
     """
     _checked(workers)
     if not isinstance(program, Program):

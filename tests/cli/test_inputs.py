@@ -218,7 +218,7 @@ def test_names_of_sound_specs_and_runs_forge_no_line(tmp_path: Path) -> None:
     assert json.loads(as_json.stdout)["files"][0]["path"] == spec
 
 
-HEAVY = {"pybullet", "mujoco", "jax", "trimesh", "matplotlib"}
+HEAVY = {"pybullet", "mujoco", "jax", "casadi", "trimesh", "matplotlib"}
 # What a spec has no use for that names no grades and no files, of a hand that is not an arm.
 UNNAMED = {"numpy.random", "graspdsl.quality.grades", "graspdsl.models.reading", "graspdsl.objects.mesh_files"}
 
