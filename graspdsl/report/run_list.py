@@ -13,7 +13,8 @@ from pathlib import Path
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.places.files import MAP_DATA, RUN_MANIFEST
 from graspdsl.report.statistics import Interval, wilson
-from graspdsl.report.tables import COUNT, INTERVAL, SHARE, TEXT, Column, Format, Table
+from graspdsl.report.tables import TEXT, Column, Format, Table
+from graspdsl.report.wording import percent
 from graspdsl.trials.folders import is_locked
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import SPEC, RunFolder
@@ -129,18 +130,15 @@ def _size(path: Path) -> int:
 
 
 def runs_table(runs: Sequence[ListedRun], title: str) -> Table:
-    """The runs, a row each."""
+    """The runs, a row each; seeds and sizes, for which a terminal is too narrow, are in the document."""
     rows = tuple(
         (
             run.name,
             run.begun,
             run.spec,
-            run.seed,
-            None if run.finished is None else f"{run.finished} of {run.asked}",
-            run.share,
-            run.interval,
+            _trials(run),
+            _share(run),
             run.state.value,
-            run.bytes,
         )
         for run in runs
     )
@@ -148,14 +146,26 @@ def runs_table(runs: Sequence[ListedRun], title: str) -> Table:
         Column("run"),
         Column("begun", _WHEN),
         Column("spec"),
-        Column("seed", COUNT),
         Column("trials", TEXT),
-        Column("converged", SHARE),
-        Column("95 % interval", INTERVAL),
+        Column("converged", TEXT),
         Column("state"),
-        Column("size", _SIZE),
     )
     return Table(title, columns, rows)
+
+
+def _trials(run: ListedRun) -> str | None:
+    """How many trials there are, and of how many, where it has not all."""
+    if run.finished is None or run.finished == run.asked:
+        return None if run.finished is None else str(run.finished)
+    return f"{run.finished} of {run.asked}"
+
+
+def _share(run: ListedRun) -> str | None:
+    """The share that converged, and its interval."""
+    if run.share is None or run.interval is None:
+        return None
+    low, high = run.interval
+    return f"{percent(run.share)} ({100 * low:.0f}–{100 * high:.0f})"
 
 
 def size_said(size: float) -> str:
@@ -166,5 +176,4 @@ def size_said(size: float) -> str:
     return f"{size:.0f} B"
 
 
-_SIZE = Format(size_said)
 _WHEN = Format(lambda at: f"{datetime.fromisoformat(at).astimezone():%Y-%m-%d}", words=True)  # where the reader is
