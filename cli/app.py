@@ -318,6 +318,75 @@ def report(
 
 
 @app.command()
+def runs(
+    folder: Annotated[
+        Path, typer.Argument(parser=named, metavar="FOLDER", help="Where the runs are; by default runs/.")
+    ] = Path("runs"),
+    as_json: AsJson = False,
+) -> None:
+    """List the runs in a folder: of what, how far, how many converged, and whether one runs now."""
+    with answering(as_json):
+        from graspdsl.cli.run_list import show_runs
+
+        show_runs(folder, as_json)
+
+
+@app.command()
+def rm(
+    folders: Annotated[list[Path], typer.Argument(parser=named, metavar="RUN", help="Folders of runs.")],
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+) -> None:
+    """Remove runs: what they are made of, and nothing else that is in their folders."""
+    with answering():
+        from graspdsl.cli.removing import remove_runs
+
+        remove_runs(folders, sure=yes)
+
+
+@app.command()
+def export(
+    run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    to: Annotated[
+        Path, typer.Option(parser=named, metavar="FILE", help="A .csv, .jsonl, .parquet or .npz file; - is stdout.")
+    ] = Path("-"),
+    what: Annotated[
+        str, typer.Option(metavar="TABLE", help="trials, trajectory, or a table of its report: summary, modes, …")
+    ] = "trials",
+    trial: Annotated[int | None, typer.Option(min=0, help="Of which trial, of a trajectory.")] = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--format", metavar="csv|jsonl|parquet|npz", help="By default what the file's name ends with."),
+    ] = None,
+    allow_code: AllowCode = False,
+) -> None:
+    """Write a run's trials, a trajectory or a table of its report for other programs, with units."""
+    if (what == "trajectory") != (trial is not None):
+        raise typer.BadParameter("a trajectory is of one trial: --what trajectory --trial N", param_hint="--trial")
+    with answering():
+        from graspdsl.cli.exporting import export_run
+
+        export_run(run, to, what, trial, form, allow_code=allow_code)
+
+
+@app.command()
+def doctor(
+    run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    repair: Annotated[
+        bool,
+        typer.Option("--repair", help="Remove what is damaged, so that run --resume runs it again; mend what can be."),
+    ] = False,
+    as_json: AsJson = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Say what of a run is whole, and mend what can be mended."""
+    with answering(as_json):
+        from graspdsl.cli.doctoring import show_health
+
+        code = show_health(run, as_json, repair=repair, allow_code=allow_code)
+    raise typer.Exit(code)
+
+
+@app.command()
 def compare(
     folders: Annotated[
         list[Path], typer.Argument(parser=named, metavar="RUN RUN", help="Folders of runs; the first is the measure.")
@@ -336,6 +405,20 @@ def compare(
         from graspdsl.cli.comparing import show_comparison
 
         show_comparison(folders, out, as_json, allow_code=allow_code)
+
+
+@app.command()
+def diff(
+    first: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
+    second: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of another.")],
+    as_json: AsJson = False,
+    allow_code: AllowCode = False,
+) -> None:
+    """Say what differs between two runs before any trial: their specs, versions, plug-ins and files."""
+    with answering(as_json):
+        from graspdsl.cli.differing import show_differences
+
+        show_differences((first, second), as_json, allow_code=allow_code)
 
 
 @app.command()

@@ -20,11 +20,13 @@ from graspdsl.api.trajectories import Trajectory
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.report.claims import Claim, claims_of
+from graspdsl.report.data_files import NPZ, format_of, units_of, write_columns
 from graspdsl.report.evidence import Evidence, evidence_of
+from graspdsl.report.exports import TRAJECTORY, TRIALS, columns_of_trajectory, tables_of
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, summarised
 from graspdsl.report.wording import counted
-from graspdsl.trials.columns import columns_of
+from graspdsl.trials.columns import Column, columns_of
 from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.record import TrialRecord
@@ -190,6 +192,10 @@ class Trials:
         return f"<Trials: {', '.join(f'{record.number} {record.outcome}' for record in self)}>"
 
 
+def _columns(found: Mapping[str, Column]) -> Columns:
+    return Columns({name: column.values for name, column in found.items()}, units_of(found))
+
+
 class Columns(dict[str, npt.NDArray[Any]]):
     """Arrays (n,) by name, a value for each of n trials; ``units``: the SI unit of each, empty for words."""
 
@@ -201,9 +207,10 @@ class Columns(dict[str, npt.NDArray[Any]]):
         raise KeyError(f"there is no {name!r}; {known_names_hint(name, self, 'columns')}")
 
     def __repr__(self) -> str:
-        count = len(self["number"]) if self else 0
+        count = len(next(iter(self.values()), ()))
         told = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
-        return f"<Columns of {counted(count, 'trial', 'trials')}: {', '.join(told)}>"
+        rows = counted(count, "trial", "trials") if "identity" in self else counted(count, "row", "rows")
+        return f"<Columns of {rows}: {', '.join(told)}>"
 
 
 class Run:
@@ -258,11 +265,7 @@ class Run:
 
         ``columns()["outcome"]``, ``["force_residual_end"]``, ``["start.roll"]``; NaN where there was no number.
         """
-        found = columns_of(self.program, list(self.trials))
-        return Columns(
-            {name: column.values for name, column in found.items()},
-            {name: column.unit for name, column in found.items()},
-        )
+        return _columns(columns_of(self.program, list(self.trials)))
 
     def to_dataframe(self) -> DataFrame:
         """The columns as a pandas DataFrame, with their units in ``attrs["units"]``.
@@ -277,6 +280,56 @@ class Run:
         frame = DataFrame(dict(columns))
         frame.attrs["units"] = columns.units
         return frame
+
+    @property
+    def tables(self) -> list[str]:
+        """The names of its tables: ``trials``, and all that its report shows."""
+        return [TRIALS, *self._shown]
+
+    def table(self, name: str = TRIALS) -> Columns:
+        """A table of its report as arrays, a value a row, with their ``units``, which are those of the page;
+        ``trials`` are its :meth:`columns`. Raises DiagnosticError for a name that is not among ``tables``."""
+        return _columns(self.columns_for(name))
+
+    def export(self, path: Place, what: str = TRIALS, *, trial: int | None = None, form: str | None = None) -> Path:
+        """Write one of its tables into a file, in the place of an earlier one; gives back where it is.
+
+        what: one of ``tables``, or ``trajectory``, of a ``trial``. form: csv, jsonl, parquet or npz, by default what
+        the name ends with. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
+        those of :meth:`to_dataframe`; beside other files as JSON, ``trials.units.json``.
+
+        Raises DiagnosticError where there is no such table, trial or format, or the file cannot be written; ValueError
+        for a trial of a table, ImportError where parquet is asked for and pyarrow is not installed.
+        """
+        place = Path(path)
+        form = format_of(place, form)
+        columns = self.columns_for(what, trial)
+        if trial is not None and form == NPZ:  # which has room for axes
+            arrays = self.trajectory(trial)
+            columns = {name: Column(arrays[name], unit) for name, unit in arrays.units.items()}
+        with reading(str(place)):
+            return write_columns(place, columns, form)
+
+    def columns_for(self, name: str, trial: int | None = None) -> Mapping[str, Column]:
+        """What :meth:`export` writes under a name."""
+        if (name == TRAJECTORY) != (trial is not None):
+            raise ValueError(f"trial: a {TRAJECTORY} is of one, and nothing else")
+        if trial is not None:
+            if trial not in self.trials:
+                hint = f"{counted(len(self.trials), 'trial is', 'trials are')} finished"
+                message = f"this run has no finished trial {trial}"
+                raise DiagnosticError([Diagnostic("unknown-trial", message, hint=hint)], str(self.path))
+            return columns_of_trajectory(self.program, self.trajectory(trial))
+        if name == TRIALS:
+            return columns_of(self.program, list(self.trials))
+        if name not in self._shown:
+            message, hint = f"this run has no table {name!r}", known_names_hint(name, self.tables, "tables")
+            raise DiagnosticError([Diagnostic("unknown-table", message, hint=hint)], str(self.path))
+        return self._shown[name]()
+
+    @cached_property
+    def _shown(self) -> Mapping[str, Callable[[], Mapping[str, Column]]]:
+        return tables_of(self.evidence, self.summary, self.claims)
 
     @property
     def figures(self) -> list[str]:

@@ -41,12 +41,11 @@ from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import Summary
 from graspdsl.report.templating import rendered
 from graspdsl.report.wording import conditions, counted, feasible, percent, percents, repetition
-from graspdsl.report.writing import replace
+from graspdsl.report.writing import FIGURES, PAGE, replace
 from graspdsl.spec.keeping import NONE
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import TrialRecord
 
-PAGE, FIGURES = "report.html", "figures"
 Frames = Mapping[str, bytes]
 NO_FRAMES: Frames = MappingProxyType({})
 

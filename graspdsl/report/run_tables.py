@@ -271,7 +271,7 @@ def _disturbances(summary: Summary) -> Iterator[tuple[str, object, object, Forma
 
 
 def _span(unit: str, form: str = ".2f") -> Format:
-    return Format(lambda ends: f"{ends[0]:{form}} … {ends[1]:{form}}", lambda ends: float(ends[0]), unit)
+    return Format(lambda ends: f"{ends[0]:{form}} … {ends[1]:{form}}", lambda ends: float(ends[0]), unit, ends=True)
 
 
 def _range(values: Sequence[float | None]) -> tuple[float, float] | None:
@@ -306,7 +306,7 @@ def rejected_table(summary: Summary) -> Table:
     return Table("Why draws of a start could not be taken up", columns, rows)
 
 
-_OF_DRAWS = Format(lambda pair: percent(pair[0] / pair[1]), lambda pair: pair[0])
+_OF_DRAWS = Format(lambda pair: percent(pair[0] / pair[1]), lambda pair: pair[0] / pair[1])
 
 
 def kept_table(summary: Summary) -> Table:

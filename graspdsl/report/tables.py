@@ -20,13 +20,14 @@ MOST_NAMED = 12  # trials that are named one by one
 class Format:
     """How values are written: their text, their unit, and the number they sort by, None for words.
 
-    What is missing, None or NaN, is a dash. ``words`` are set to the left.
+    What is missing, None or NaN, is a dash. ``words`` are set to the left. ``ends``: whether values are intervals.
     """
 
     text: Callable[[Any], str]
     key: Callable[[Any], float | None] = lambda value: value
     unit: str = ""
     words: bool = False
+    ends: bool = False
 
     def written(self, value: object, *, with_unit: bool = False) -> str:
         """A value as text."""
@@ -76,7 +77,7 @@ def reasons_named(reasons: Mapping[str, int]) -> str:
 WORDS = Format(str, words=True)
 COUNT = Format(str)
 SHARE = Format(percent)
-INTERVAL = Format(percents, lambda interval: float(interval[0]))
+INTERVAL = Format(percents, lambda interval: float(interval[0]), ends=True)
 TEXT = Format(str, lambda _: None)  # made of several numbers: to the right as they are, with nothing to sort by
 MILLIMETRES = fixed(1, "mm", 1e3)
 REASONS = Format(reasons_named, words=True)

@@ -10,6 +10,8 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.folders import unwritable
 from graspdsl.trials.interruption import interruption
 
+PAGE, FIGURES = "report.html", "figures"  # of a run
+
 
 def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:
     """Make a folder, or take an empty one, and write files into it. Raises DiagnosticError where it cannot."""

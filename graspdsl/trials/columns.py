@@ -47,7 +47,7 @@ _COUNTS = ("number", "ticks", "samples")
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Column:
-    """A value (n,) of each of n trials, and their unit, empty for words."""
+    """A value (n,) of each of n trials, or whatever else has a row, and their unit, empty for words."""
 
     values: npt.NDArray[Any]
     unit: str

@@ -10,6 +10,7 @@ from pathlib import Path
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 
 LOCK = "lock"
+GLANCE = 0.1  # s; who looks whether somebody has the lock has it for a moment
 
 
 @contextmanager
@@ -23,9 +24,19 @@ def locked(folder: Path) -> Iterator[None]:
         yield
 
 
+def is_locked(folder: Path) -> bool:
+    """Whether somebody has the lock of this folder now; where there is none, or it cannot be read, nobody has."""
+    try:
+        with closing(sqlite3.connect(f"{(folder / LOCK).absolute().as_uri()}?mode=ro", timeout=0, uri=True)) as lock:
+            lock.execute("PRAGMA schema_version")  # which cannot be read while somebody has it
+    except sqlite3.Error as error:
+        return getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_BUSY
+    return False
+
+
 def _acquired(folder: Path) -> sqlite3.Connection:
     try:
-        lock = sqlite3.connect(folder / LOCK, timeout=0, isolation_level=None)
+        lock = sqlite3.connect(folder / LOCK, timeout=GLANCE, isolation_level=None)
         lock.execute("PRAGMA journal_mode = OFF")  # nothing is ever written
         lock.execute("BEGIN EXCLUSIVE")
     except sqlite3.Error as error:

@@ -60,9 +60,11 @@ def identities(
     return of
 
 
-def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
+def check_origin(folder: RunFolder, program: Program, known_by: Mapping[int, str] | None = None) -> list[Diagnostic]:
     """Whether the trials of a run were made from the spec, the files and the seed that its folder holds, by whatever
     versions of the libraries. Returns a warning where another graspdsl made them: its specs may mean other things.
+
+    known_by: the identities of these trials, by default those of all that are in the table.
 
     Raises DiagnosticError when they were not.
     """
@@ -76,7 +78,8 @@ def check_origin(folder: RunFolder, program: Program) -> list[Diagnostic]:
         return [Diagnostic("run-unchecked", message, severity=Severity.WARNING)]
     made = (manifest.versions, manifest.plugins), (here, program.plugins)
     known = [identities(program, manifest.seed, *by) for by in made]
-    if any(identity not in {of(number) for of in known} for number, identity in folder.identities().items()):
+    known_by = folder.identities() if known_by is None else known_by
+    if any(identity not in {of(number) for of in known} for number, identity in known_by.items()):
         raise DiagnosticError([other_origin()])
     before, now = other_plugins(manifest.plugins, program.plugins)
     if now:

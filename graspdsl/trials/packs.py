@@ -43,6 +43,10 @@ class Packs:
         first = number // EACH * EACH
         return self.folder / f"{first:06d}-{first + EACH - 1:06d}{SUFFIX}"
 
+    def all(self) -> list[Path]:
+        """The packs that there are."""
+        return sorted(self.folder.glob(f"*{SUFFIX}"))
+
     def put(self, number: int, content: bytes) -> Piece:
         """Put a trial's piece behind those there are; nothing is written of an empty one. Raises OSError, and leaves no
         part of it."""
@@ -89,7 +93,7 @@ class Packs:
 
     def cut(self, pieces: Iterable[Piece]) -> None:
         """Cut off what is behind the last of the pieces there are. Raises OSError."""
-        ends = dict.fromkeys(self.folder.glob(f"*{SUFFIX}"), 0)
+        ends = dict.fromkeys(self.all(), 0)
         for piece in pieces:
             pack = self.file(piece.number)
             if pack in ends:
@@ -97,3 +101,16 @@ class Packs:
         for pack, end in ends.items():
             if pack.stat().st_size > end:
                 os.truncate(pack, end)
+
+    def drafted(self, pack: Path, pieces: Iterable[Piece]) -> tuple[Path, list[Piece]]:
+        """Write a pack anew, of these of its pieces alone, into a file beside it; where that is, and where the pieces
+        are in it. Raises OSError, DamagedPieceError."""
+        draft, moved, end = pack.with_name(f"{pack.name}.new"), list[Piece](), 0
+        with draft.open("wb") as file:
+            for piece in pieces:
+                file.write(self.content(piece))
+                moved.append(piece._replace(offset=end))
+                end += piece.size
+            file.flush()
+            os.fsync(file.fileno())
+        return draft, moved

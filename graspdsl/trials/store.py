@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import shlex
 import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping, Sequence
@@ -119,7 +120,7 @@ class RunFolder:
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(file.content)
         (self.path / TABLE).touch()
-        with self._table() as table:
+        with self.table() as table:
             table.execute(f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))")
             table.execute(f"CREATE TABLE trajectories ({PIECES})")
             table.execute(f"PRAGMA user_version = {LAYOUT}")
@@ -128,6 +129,15 @@ class RunFolder:
     @classmethod
     def open(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
         """The run in a folder. Raises DiagnosticError when there is none."""
+        folder = cls.at(path, allow_code=allow_code)
+        if not folder.manifest.plugins:  # which may have outcomes and grades that are known once the spec is read
+            folder.records()
+        return folder
+
+    @classmethod
+    def at(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
+        """The run in a folder, of which nothing but the manifest has been read. Raises DiagnosticError when there is
+        none."""
         try:
             manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
         except (DiagnosticError, ValueError) as error:
@@ -135,10 +145,7 @@ class RunFolder:
             if _is_missing(path):
                 raise _refused("folder-not-found", "there is no such folder", hint) from error
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
-        folder = cls(path, manifest, allow_code=allow_code)
-        if not manifest.plugins:  # which may have outcomes and grades that are known once the spec is read
-            folder.records()
-        return folder
+        return cls(path, manifest, allow_code=allow_code)
 
     @property
     def files(self) -> Path:
@@ -194,13 +201,17 @@ class RunFolder:
                 self._open = self._connected()
                 self._open.execute("PRAGMA journal_mode = WAL")  # or as before where the file system knows no other
                 self._open.execute("PRAGMA synchronous = NORMAL")  # what was committed outlives its process
-            with self._table() as table:
+            with self.table() as table:
                 table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row)
                 table.execute("INSERT OR REPLACE INTO trajectories VALUES (?, ?, ?, ?)", piece)
 
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
-        return [self._record(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
+        return [self.believed(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
+
+    def outcomes(self) -> dict[str, int]:
+        """How many of the trials in the table ended in which way, counted without a look at what else they hold."""
+        return dict(self._read("SELECT outcome, count(*) FROM trials GROUP BY outcome"))
 
     def identities(self) -> dict[int, str]:
         """The identities of the trials in the table, by number."""
@@ -217,7 +228,7 @@ class RunFolder:
         if not (self.path / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
         try:
-            with self._table() as table:
+            with self.table() as table:
                 self._check_layout(table)
                 return table.execute(statement).fetchall()
         except sqlite3.Error as error:
@@ -235,9 +246,13 @@ class RunFolder:
             return
         differing = listed([*([] if layout == LAYOUT else ["its layout"]), *sorted(known ^ set(COLUMNS))])
         message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {differing}"
-        raise _refused("run-differs", message, "read it with the version that made it, or run its spec again")
+        hint = "read it with the version that made it, or run its spec again"
+        if layout < LAYOUT and known == set(COLUMNS):
+            hint = f"make it one of this version: graspdsl doctor {shlex.quote(str(self.path))} --repair"
+        raise _refused("run-differs", message, hint)
 
-    def _record(self, row: Sequence[object]) -> TrialRecord:
+    def believed(self, row: Sequence[object]) -> TrialRecord:
+        """The trial that a row of the table holds. Raises DiagnosticError for one that no trial of the run has."""
         try:
             record = record_of(row)
             if record.number >= self.manifest.asked:
@@ -305,7 +320,7 @@ class RunFolder:
             draft.write_bytes(content)
 
     @contextmanager
-    def _table(self) -> Iterator[sqlite3.Connection]:
+    def table(self) -> Iterator[sqlite3.Connection]:
         """The table, for one transaction."""
         if self._open is not None:
             with self._open:

@@ -60,7 +60,7 @@ def test_no_default_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert answer.stderr == "runs: error[folder-not-writable]: cannot write to this folder: file exists\n"
 
 
-@pytest.mark.parametrize("words", [("run", "--resume"), ("report",)])
+@pytest.mark.parametrize("words", [("run", "--resume"), ("report",), ("doctor",)])
 @pytest.mark.parametrize("folder", ["empty", "file"])
 def test_no_run(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -76,7 +76,16 @@ def test_no_run(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch
 
 
 @pytest.mark.parametrize(
-    "words", [("run", "--resume"), ("report",), ("compare", "runs"), ("view", "--images", "seen", "--trial", "0")]
+    "words",
+    [
+        ("run", "--resume"),
+        ("report",),
+        ("compare", "runs"),
+        ("view", "--images", "seen", "--trial", "0"),
+        ("export",),
+        ("doctor", "--repair"),
+        ("rm", "--yes"),
+    ],
 )
 @pytest.mark.parametrize("folder", ["missing", "missing/run"])
 def test_no_folder(words: tuple[str, ...], folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -169,6 +169,12 @@ NAME = "".join(f"x{mark}{FORGED}" for mark in ("\n", "\r\n", "\r", "\u2028", "\x
         ("run", "--resume", "{}"),
         ("report", "{}"),
         ("compare", "{}", "{}"),
+        ("runs", "{}"),
+        ("export", "{}", "--to", "x.csv"),
+        ("export", "x", "--to", "{}"),
+        ("doctor", "{}"),
+        ("diff", "{}", "{}"),
+        ("rm", "{}", "--yes"),
         ("explain", "{}.yaml"),
         ("explain", "π_a|{}"),
         ("view", "{}", "--images", "seen"),
@@ -212,6 +218,7 @@ def test_names_of_sound_specs_and_runs_forge_no_line(tmp_path: Path) -> None:
     assert json.loads(as_json.stdout)["files"][0]["path"] == spec
 
 
+HEAVY = {"pybullet", "mujoco", "jax", "casadi", "trimesh", "matplotlib"}
 # What a spec has no use for that names no grades and no files, of a hand that is not an arm.
 UNNAMED = {"numpy.random", "graspdsl.quality.grades", "graspdsl.models.reading", "graspdsl.objects.mesh_files"}
 
@@ -230,18 +237,16 @@ UNNAMED = {"numpy.random", "graspdsl.quality.grades", "graspdsl.models.reading",
 def test_what_reads_and_tells_loads_no_simulator_no_figures_and_no_store(
     command: tuple[str, ...], besides: set[str]
 ) -> None:
-    heavy = {
-        "pybullet",
-        "mujoco",
-        "jax",
-        "casadi",
-        "trimesh",
-        "matplotlib",
-        "scipy",
-        "sqlite3",
-        "multiprocessing",
-        *besides,
-    }
+    assert _loaded(command, {*HEAVY, "scipy", "sqlite3", "multiprocessing", *besides}) == ["0", "[]"]
+
+
+@pytest.mark.slow
+def test_what_lists_runs_loads_no_simulator_and_no_figures(tmp_path: Path) -> None:
+    assert _loaded(("runs", str(tmp_path)), HEAVY) == ["0", "[]"]
+
+
+def _loaded(command: tuple[str, ...], heavy: set[str]) -> list[str]:
+    """The exit code of a command, and which of these modules it imports."""
     code = f"""
 import sys
 from graspdsl.cli import main
@@ -252,4 +257,4 @@ except SystemExit as end:
     print("", end.code or 0, sorted(name for name in {heavy} if name in sys.modules), sep="\\n")
 """
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True)
-    assert answer.stdout.splitlines()[-2:] == ["0", "[]"]
+    return answer.stdout.splitlines()[-2:]

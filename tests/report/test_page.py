@@ -21,13 +21,14 @@ from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import Evidence, evidence_of
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.page import FIGURES, PAGE, drawings_of
+from graspdsl.report.page import drawings_of
 from graspdsl.report.page import page as page_of
 from graspdsl.report.page import write_report as write_report_of
 from graspdsl.report.quality import quality
 from graspdsl.report.run_tables import quality_tables
 from graspdsl.report.statistics import wilson
 from graspdsl.report.summary import plain, summarised
+from graspdsl.report.writing import FIGURES, PAGE
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
 from report.reader import Reader

@@ -1,0 +1,36 @@
+"""What is known of a run, as files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graspdsl.cli.messages import result, say
+from graspdsl.cli.running import opened
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed, on_one_line
+from graspdsl.report.data_files import CSV, TEXTS, as_csv, as_jsonl, format_of
+
+STDOUT = Path("-")
+
+
+def export_run(
+    path: Path, to: Path, what: str, trial: int | None, form: str | None, *, allow_code: bool = False
+) -> None:
+    """Write a table of a run, or a trial's trajectory, into a file or to stdout. Raises DiagnosticError as
+    :meth:`graspdsl.Run.export`."""
+    form = format_of(to, (form or CSV) if to == STDOUT else form)
+    if to == STDOUT and form not in TEXTS:
+        message, hint = (
+            f"{form} is no text for stdout",
+            f"name a file with --to, or give --format {listed(TEXTS, 'or')}",
+        )
+        raise DiagnosticError([Diagnostic("unknown-format", message, hint=hint)], str(to))
+    run = opened(path, allow_code=allow_code)
+    if to == STDOUT:
+        result((as_csv if form == CSV else as_jsonl)(run.columns_for(what, trial)).removesuffix("\n"))
+        return
+    try:
+        run.export(to, what, trial=trial, form=form)
+    except ImportError as error:
+        message, _, hint = str(error).partition(": ")
+        raise DiagnosticError([Diagnostic("not-installed", message, hint=f"install it: {hint}")], str(to)) from None
+    say(on_one_line(f"{what} → {to}"))

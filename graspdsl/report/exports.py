@@ -1,0 +1,176 @@
+"""What a report shows, as columns of plain values with their units, by name."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import product
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+from graspdsl.arrays import Array, Float32Array
+from graspdsl.compiler.program import Program
+from graspdsl.hands.descriptions import joint_units
+from graspdsl.report.claims import Claim
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.priorities import priorities_table
+from graspdsl.report.run_tables import (
+    balance_table,
+    claims_table,
+    modes_table,
+    outcomes_table,
+    quality_tables,
+    residuals_table,
+    sensing_table,
+    stages_table,
+    starts_tables,
+)
+from graspdsl.report.summary import At, Converged, Count, Medians, Stopped, Summary
+from graspdsl.report.tables import Format, Table, Value
+from graspdsl.report.wording import NOTHING
+from graspdsl.trials.columns import Column
+from graspdsl.trials.priorities import CAUSES
+from graspdsl.trials.trajectories import CHANNELS, CONTACTS, JOINTS
+from graspdsl.worlds.protocol import PARTIES
+
+TRIALS, TRAJECTORY = "trials", "trajectory"  # a row a trial; a row a tick of one trial
+
+Columns = Mapping[str, Column]
+_RESIDUALS = {"force": "1", "force_squared": "1", "moment": "m", "moment_squared": "m²"}
+_COUNTED = {get_args(Count)[1]: "1"}
+_XYZ = ("x", "y", "z")
+_LOAD = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()) -> dict[str, Callable[[], Columns]]:
+    """What a report shows besides single trials, by name: ``summary``, its numbers one by one; the tables of its page
+    that have a row; ``courses``, the residuals that its curves are drawn from."""
+    rejected, kept = [*starts_tables(summary), *[Table("", (), ())] * 2][:2]
+    tables = {
+        "outcomes": outcomes_table(summary),
+        "modes": modes_table(summary),
+        "residuals": residuals_table(summary),
+        "stages": stages_table(summary),
+        "rejected-starts": rejected,
+        "kept-starts": kept,
+        "balance": balance_table(summary.balance),
+        "sensing": sensing_table(summary),
+        **{f"quality-{_slug(table.title)}": table for table in quality_tables(summary.quality)},
+        "priorities": priorities_table(summary.priorities),
+        "claims": claims_table(claims),
+    }
+    made: dict[str, Callable[[], Columns]] = {"summary": partial(_summary, summary)}
+    made |= {name: partial(columns_of_table, table) for name, table in tables.items() if table.rows}
+    if any(len(course.time) for course in evidence.courses.values()):
+        made["courses"] = partial(_courses, evidence)
+    return made
+
+
+def columns_of_table(table: Table) -> dict[str, Column]:
+    """A table as columns: numbers as they are, in the unit that a page has them in, shares from 0 to 1; intervals as
+    two columns, ``.low`` and ``.high``; as text what is no number in every row."""
+    found: dict[str, Column] = {}
+    for place, column in enumerate(table.columns):
+        cells = [_cell(row[place], column.format) for row in table.rows]
+        known = [(form, value) for form, value in cells if form.sorts_by(value) is not None]
+        worded = any(form.sorts_by(value) is None and form.written(value) != NOTHING for form, value in cells)
+        if not worded and (known or not column.format.words):
+            units = {form.unit for form, _ in known} or {column.format.unit}
+            unit = (units.pop() or "1") if len(units) == 1 else ""
+            if known and all(form.ends for form, _ in known):
+                for end, name in enumerate(("low", "high")):
+                    values = [value[end] if form.sorts_by(value) is not None else None for form, value in cells]
+                    found[f"{column.label}.{name}"] = _numbers(values, unit)
+            else:
+                found[column.label] = _numbers([form.sorts_by(value) for form, value in cells], unit)
+        else:
+            texts = ["" if value is None else form.written(value) for form, value in cells]
+            found[column.label] = Column(np.array(texts, dtype=np.str_), "")
+    return found
+
+
+def columns_of_trajectory(program: Program, rows: Mapping[str, Float32Array]) -> dict[str, Column]:
+    """The trajectory of a trial of a program, a row a tick, a column for each number: ``points.finger-1.x``."""
+    found: dict[str, Column] = {}
+    slides = joint_units(program.robot) if program.world.has("hand") else {}
+    for name, values in rows.items():
+        channel = CHANNELS[name]
+        axes = [_places(program, name, axis, size) for axis, size in zip(channel.axes, values.shape[1:], strict=True)]
+        flat = values.reshape(len(values), math.prod(values.shape[1:]))
+        for place, parts in enumerate(product(*axes)):
+            unit = slides.get(parts[0], channel.unit) if channel.axes == (JOINTS,) else channel.unit
+            if name == "loads":
+                unit = "N" if parts[1].startswith("f") else "N·m"
+            found[".".join((name, *parts))] = Column(flat[:, place], unit)
+    return found
+
+
+def _places(program: Program, name: str, axis: int | str, size: int) -> Sequence[str]:
+    """What the places along an axis of a trajectory's array are called."""
+    names: Sequence[str] = _XYZ if axis == len(_XYZ) else tuple(map(str, range(size)))
+    if axis == CONTACTS:
+        names = tuple(program.robot.contacts)
+    elif axis == JOINTS:
+        names = tuple(program.robot.joints)
+    elif name == "loads":
+        names = _LOAD if size == len(_LOAD) else PARTIES
+    elif name == "disturbance_by_cause" and size == len(CAUSES):
+        names = CAUSES
+    return names[:size]  # none of joints where contacts float
+
+
+def _cell(value: object, form: Format) -> tuple[Format, Any]:
+    return (value.format, value.value) if isinstance(value, Value) else (form, value)
+
+
+def _numbers(values: Sequence[float | None], unit: str) -> Column:
+    if values and all(isinstance(value, int) for value in values):
+        return Column(np.array(values, dtype=np.int64), unit)
+    return Column(np.array([math.nan if value is None else value for value in values], dtype=float), unit)
+
+
+def _summary(summary: Summary) -> dict[str, Column]:
+    """The numbers of a summary one by one, each where it stands in JSON, with its unit."""
+    found = [*_told(summary, "", "1")]
+    names, values, units = zip(*found, strict=True)
+    return {
+        "name": Column(np.array(names, dtype=np.str_), ""),
+        "value": Column(np.array(values, dtype=float), ""),
+        "unit": Column(np.array(units, dtype=np.str_), ""),
+    }
+
+
+def _told(part: Any, within: str, unit: str) -> Iterator[tuple[str, float, str]]:
+    for name, kind in get_type_hints(type(part), include_extras=True).items():
+        notes, value = get_args(kind)[1:] if hasattr(kind, "__metadata__") else (), getattr(part, name)
+        place = within + next((str(note) for note in notes if isinstance(note, At)), name)
+        said = next((note for note in notes if isinstance(note, str) and not isinstance(note, At)), "1")
+        own = unit if said.startswith("the residual") else _COUNTED.get(said, said)
+        if isinstance(value, Medians | Converged | Stopped):
+            yield from _told(value, f"{place}.", _RESIDUALS.get(name, "1"))
+        elif name == "outcomes":
+            yield from ((f"{place}.{outcome}", count, "1") for outcome, count in value.items())
+        elif name == "interval":
+            yield from ((f"{place}.{end}", number, own) for end, number in zip(("low", "high"), value, strict=True))
+        elif name != "seed" and (isinstance(value, int | float) or (value is None and notes)):
+            yield place, math.nan if value is None else value, own
+
+
+def _courses(evidence: Evidence) -> dict[str, Column]:
+    """The residuals of each trial from where its controller took over, a row a tick or probe."""
+    courses = evidence.courses
+    numbers = [np.full(len(course.time), number, dtype=np.int64) for number, course in courses.items()]
+    parts: tuple[tuple[str, str, list[Array]], ...] = (
+        ("time", "s", [course.time for course in courses.values()]),
+        ("force_residual", "1", [course.force for course in courses.values()]),
+        ("moment_residual", "m", [course.moment for course in courses.values()]),
+    )
+    found = {name: Column(np.concatenate(each), unit) for name, unit, each in parts}
+    return {"number": Column(np.concatenate(numbers), "1"), **found}
+
+
+def _slug(title: str) -> str:
+    return re.sub(r"\W+", "-", title.lower()).strip("-")
