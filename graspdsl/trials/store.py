@@ -217,9 +217,10 @@ class RunFolder:
         """The identities of the trials in the table, by number."""
         return dict(self._read("SELECT number, identity FROM trials"))
 
-    def pieces(self) -> list[Piece]:
-        """Where the trajectories of its trials are."""
-        rows = self._read(f"SELECT {', '.join(Piece._fields)} FROM trajectories")
+    def pieces(self, number: int | None = None) -> list[Piece]:
+        """Where the trajectories of its trials are, or that of one of them."""
+        chosen = "" if number is None else f" WHERE number = {number:d}"
+        rows = self._read(f"SELECT {', '.join(Piece._fields)} FROM trajectories{chosen}")
         if any(type(value) is not int or value < 0 for row in rows for value in row):
             raise self._damaged(TABLE, "a trajectory has no place")
         return [Piece(*row) for row in rows]
@@ -273,8 +274,8 @@ class RunFolder:
 
         Raises DiagnosticError when they cannot be read or do not fit the layout.
         """
-        found = (piece for piece in self.pieces() if piece.number == number)
-        return self.unpacked(next(found, absent(number)), layout)
+        [piece] = self.pieces(number) or [absent(number)]
+        return self.unpacked(piece, layout)
 
     def unpacked(self, piece: Piece, layout: Layout | None = None) -> Rows:
         """As :meth:`trajectory`, from a place that is known."""
