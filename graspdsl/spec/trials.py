@@ -118,6 +118,7 @@ class Trials(Model):
     wall_limit: Seconds = Field(
         default=600.0,
         gt=0,
+        le=1e6,
         description="how long (s) the computer may take for a trial before it is given up, where several processes "
         "share them",
     )
