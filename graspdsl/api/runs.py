@@ -242,7 +242,7 @@ class Run:
     def evidence(self) -> Evidence:
         """Its records with how their residuals went, which every report is made from."""
         with reading(str(self.path)):
-            return evidence_of(self.folder, self.program)
+            return evidence_of(self.folder, self.program, self.trials)
 
     @cached_property
     def summary(self) -> Summary:

@@ -91,6 +91,12 @@ class NamedFile:
     kept_as: Path
     content: bytes
 
+    def copy_into(self, folder: Path) -> None:
+        """Write it to its place in a folder of copies. Raises OSError."""
+        copy = folder / self.kept_as
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(self.content)
+
 
 @dataclass(slots=True)
 class SpecFolder:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from graspdsl.arrays import Array
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import DiagnosticError
 from graspdsl.spec.keeping import ENDS, NONE
-from graspdsl.trials.packs import absent
+from graspdsl.trials.packs import Piece, absent
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import RunFolder
@@ -62,6 +63,7 @@ class Evidence:
     records: tuple[TrialRecord, ...]
     courses: dict[int, ResidualCourse]
     lost: frozenset[int]
+    pieces: Mapping[int, Piece] = field(default_factory=dict)  # where trajectories are, by trial
 
     def touching(self, record: TrialRecord) -> bool | None:
         """Whether every contact of the grasp truly touched at the end of a trial; None where that is not known."""
@@ -73,17 +75,19 @@ class Evidence:
         if self.program.spec.trials.keep == NONE:
             return None
         try:
-            return self.folder.trajectory(number, Layout.of(self.program))
+            return self.folder.unpacked(self.pieces.get(number, absent(number)), Layout.of(self.program))
         except DiagnosticError:
             return None
 
 
-def evidence_of(folder: RunFolder, program: Program | None = None) -> Evidence:
-    """The evidence in the folder of a run; ``program``: that of the run, where it has been read already.
+def evidence_of(
+    folder: RunFolder, program: Program | None = None, records: Iterable[TrialRecord] | None = None
+) -> Evidence:
+    """The evidence in the folder of a run; ``program``, ``records``: those of the run, where they have been read.
 
     Raises DiagnosticError when its records or its spec cannot be read.
     """
-    program, records = program or program_of_run(folder), tuple(folder.records())
+    program, records = program or program_of_run(folder), tuple(folder.records() if records is None else records)
     read, pieces = _CourseReader(program), {piece.number: piece for piece in folder.pieces()}
     layout, each = Layout.of(program), math.ceil(len(records) / MOST_COURSES)
     courses, lost = dict[int, ResidualCourse](), set[int]()
@@ -95,7 +99,7 @@ def evidence_of(folder: RunFolder, program: Program | None = None) -> Evidence:
             continue
         if rows:  # the trial had a tick
             courses[record.number] = read(record, rows, curves=place % each == 0)
-    return Evidence(folder, program, records, courses, frozenset(lost))
+    return Evidence(folder, program, records, courses, frozenset(lost), pieces)
 
 
 class _CourseReader:

@@ -16,18 +16,7 @@ from graspdsl.compiler.program import Program
 from graspdsl.hands.descriptions import joint_units
 from graspdsl.report.claims import Claim
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.priorities import priorities_table
-from graspdsl.report.run_tables import (
-    balance_table,
-    claims_table,
-    modes_table,
-    outcomes_table,
-    quality_tables,
-    residuals_table,
-    sensing_table,
-    stages_table,
-    starts_tables,
-)
+from graspdsl.report.run_tables import page_tables, quality_tables, starts_tables
 from graspdsl.report.summary import At, Converged, Count, Medians, Stopped, Summary
 from graspdsl.report.tables import Format, Table, Value
 from graspdsl.report.wording import NOTHING
@@ -50,17 +39,10 @@ def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()
     that have a row; ``courses``, the residuals that its curves are drawn from."""
     rejected, kept = [*starts_tables(summary), *[Table("", (), ())] * 2][:2]
     tables = {
-        "outcomes": outcomes_table(summary),
-        "modes": modes_table(summary),
-        "residuals": residuals_table(summary),
-        "stages": stages_table(summary),
+        **page_tables(summary, claims),
         "rejected-starts": rejected,
         "kept-starts": kept,
-        "balance": balance_table(summary.balance),
-        "sensing": sensing_table(summary),
         **{f"quality-{_slug(table.title)}": table for table in quality_tables(summary.quality)},
-        "priorities": priorities_table(summary.priorities),
-        "claims": claims_table(claims),
     }
     made: dict[str, Callable[[], Columns]] = {"summary": partial(_summary, summary)}
     made |= {name: partial(columns_of_table, table) for name, table in tables.items() if table.rows}

@@ -22,18 +22,11 @@ from graspdsl.report.figures import (
 )
 from graspdsl.report.modes import LEVEL
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.priorities import priorities_table
 from graspdsl.report.priorities_figure import drawn_priorities
 from graspdsl.report.run_tables import (
     WHOLE,
-    balance_table,
-    claims_table,
-    modes_table,
-    outcomes_table,
+    page_tables,
     quality_tables,
-    residuals_table,
-    sensing_table,
-    stages_table,
     starts_tables,
     trials_table,
 )
@@ -106,29 +99,22 @@ def page(
         conditions=conditions(summary.converged.means),
         notes=notes(evidence, summary),
         left_out=left_out(evidence),
-        claims=claims_table(claims),
         funnel=_of_kind(drawings, "funnel"),
-        modes=modes_table(summary),
         sure=percent(1.0 - LEVEL),
         residual_figures=_of_kind(drawings, "residuals"),
-        residuals=residuals_table(summary),
         convergence=_of_kind(drawings, "convergence"),
         ticks=[WHOLE.written(value) for value in (summary.ticks_to_converge, summary.ticks_to_converge_p90)],
-        outcomes=outcomes_table(summary),
-        stages=stages_table(summary),
         frames=_framed(evidence, frames),
         starts=starts_tables(summary),
         start_figures=_of_kind(drawings, "starts"),
         map=_of_kind(drawings, "map"),
-        balance=balance_table(summary.balance),
         quality=quality_tables(summary.quality),
-        sensing=sensing_table(summary),
-        priorities=[level.said(evidence.program.target.each) for level in summary.priorities.levels],
-        priorities_table=priorities_table(summary.priorities),
+        levels=[level.said(evidence.program.target.each) for level in summary.priorities.levels],
         priority_figures=_of_kind(drawings, "priorities"),
         tick=tick,
         each=evidence.program.target.each,
         trials=trials_table(summary, tick),
+        **page_tables(summary, claims),
     )
 
 

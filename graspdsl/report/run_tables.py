@@ -9,6 +9,7 @@ from dataclasses import replace
 from graspdsl.report.balance import Holding
 from graspdsl.report.claims import Claim
 from graspdsl.report.modes import LEVEL
+from graspdsl.report.priorities import priorities_table
 from graspdsl.report.quality import Confusion, Conventions, GradeSummary, Quality
 from graspdsl.report.start_selection import StartNumber
 from graspdsl.report.statistics import FEWEST
@@ -55,6 +56,20 @@ def brief_tables(summary: Summary) -> list[Table]:
         *([balance_table(summary.balance)] if summary.balance.trials else []),
         *([brief_quality_table(summary.quality)] if graded else []),
     ]
+
+
+def page_tables(summary: Summary, claims: Sequence[Claim]) -> dict[str, Table]:
+    """The tables that a page has one of, by name."""
+    return {
+        "outcomes": outcomes_table(summary),
+        "modes": modes_table(summary),
+        "residuals": residuals_table(summary),
+        "stages": stages_table(summary),
+        "balance": balance_table(summary.balance),
+        "sensing": sensing_table(summary),
+        "priorities": priorities_table(summary.priorities),
+        "claims": claims_table(claims),
+    }
 
 
 def outcomes_table(summary: Summary) -> Table:

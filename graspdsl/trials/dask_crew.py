@@ -207,7 +207,7 @@ class DaskCrew:
         elif len(found.ends) < RUNS:
             self._again.append(numbers)
         else:
-            yield self._crashed(numbers[0], f"its process ended, {RUNS} times: {found.ends[-1]}")
+            yield self._crashed(numbers[0], found.ends[-1])
 
     def _failed(self, error: BaseException, numbers: Sequence[int]) -> Lost:
         """What is known of trials whose workers ended too often for Dask; raises any other error."""

@@ -28,7 +28,7 @@ from graspdsl.trials.identity import other_plugins
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.setup import trial_loop
-from graspdsl.trials.workers import GLANCE, RUNS
+from graspdsl.trials.workers import GLANCE, RUNS, too_long
 
 JOB = "job"  # what a run's entry at the scheduler has it under
 
@@ -87,7 +87,7 @@ def run_batch(run: str, numbers: Sequence[int]) -> list[PackedTrial] | Lost:
         limit, keep = kept.job.limit, kept.program.spec.trials.keep
 
         def late() -> None:
-            scheduler.set_metadata(entry, [*ends, f"after more than {limit:g} s, trials.wall_limit"])
+            scheduler.set_metadata(entry, [*ends, too_long(limit)])
             os._exit(1)
 
         def tell(number: int, draws: int) -> None:
@@ -138,9 +138,7 @@ def _made(run: str, job: Job, address: str) -> _Kept:
     check({f"the Dask worker {address}": {name: _version(name) for name in job.made_by}}, job.made_by)
     folder = TemporaryDirectory(prefix="graspdsl-")
     for file in job.files:
-        copy = Path(folder.name) / file.kept_as
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(file.content)
+        file.copy_into(Path(folder.name))
     try:
         program = program_of(*job.source._replace(folder=Path(folder.name)))
     except DiagnosticError as error:

@@ -20,7 +20,7 @@ from graspdsl.trials.packs import DamagedPieceError, Piece
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.rows import COLUMNS
 from graspdsl.trials.runner import program_of_run
-from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder
+from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder, layout_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, unpacked
 
 # Drafts of files that a process which was killed had begun, and files of an earlier layout that are in packs by now.
@@ -134,7 +134,7 @@ def _table(table: sqlite3.Connection, health: Health) -> bool:
     elif is_of_earlier_layout(table):
         health.earlier = True
         health.fault("table", "this run was made by an earlier version, with a file for each trajectory", REPAIR)
-    elif {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")} != {*COLUMNS}:
+    elif layout_of(table)[1] != {*COLUMNS}:
         health.fault("table", "this run was made by another version, whose trials have other columns", ANEW)
     else:
         health.whole("table", TABLE)

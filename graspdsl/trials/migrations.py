@@ -9,7 +9,7 @@ import numpy as np
 
 from graspdsl.trials.packs import Piece
 from graspdsl.trials.rows import COLUMNS
-from graspdsl.trials.store import LAYOUT, PIECES, RunFolder
+from graspdsl.trials.store import LAYOUT, PIECES, RunFolder, layout_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, packed, unpacked
 
 OF_ONE_TRIAL = "[0-9]*.npz"  # trajectories/3.npz
@@ -17,8 +17,8 @@ OF_ONE_TRIAL = "[0-9]*.npz"  # trajectories/3.npz
 
 def is_of_earlier_layout(table: sqlite3.Connection) -> bool:
     """Whether the table is of a run that :func:`migrate` knows."""
-    [(layout,)] = table.execute("PRAGMA user_version")
-    return layout < LAYOUT and {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")} == set(COLUMNS)
+    layout, known = layout_of(table)
+    return layout < LAYOUT and known == set(COLUMNS)
 
 
 def migrate(folder: RunFolder) -> tuple[int, int]:

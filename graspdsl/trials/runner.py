@@ -22,7 +22,7 @@ from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import PackedTrial, TrialRecord
 from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
-from graspdsl.trials.workers import Crew, Dask, Workers
+from graspdsl.trials.workers import RUNS, Crew, Dask, Workers
 
 OnRecord = Callable[[TrialRecord], object]
 TRIALS_TO_BEGIN = 10  # of which one must, or none of a run is likely to
@@ -102,7 +102,7 @@ def execute(
         identity_of, limit = identities(program, seed), program.spec.trials.wall_limit
 
         def crash(number: int, cause: str) -> PackedTrial:
-            return crashed(program, number, identity_of(number), cause).packed()
+            return crashed(program, number, identity_of(number), f"its process ended, {RUNS} times: {cause}").packed()
 
         if isinstance(workers, Dask):
             from graspdsl.trials.dask_crew import DaskCrew

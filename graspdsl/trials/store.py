@@ -116,9 +116,7 @@ class RunFolder:
     def _fill(self, manifest: bytes, spec_text: str, files: Sequence[NamedFile]) -> None:
         (self.path / SPEC).write_text(spec_text, encoding="utf-8")
         for file in files:
-            copy = self.files / file.kept_as
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes(file.content)
+            file.copy_into(self.files)
         (self.path / TABLE).touch()
         with self.table() as table:
             table.execute(f"CREATE TABLE trials ({', '.join(COLUMNS)}, PRIMARY KEY (number))")
@@ -239,10 +237,9 @@ class RunFolder:
             raise self._damaged(TABLE, str(error)) from error
 
     def _check_layout(self, table: sqlite3.Connection) -> None:
-        known = {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")}
+        layout, known = layout_of(table)
         if not known:
             raise self._damaged(TABLE, "there is no table of trials in it")
-        [(layout,)] = table.execute("PRAGMA user_version")
         if layout == LAYOUT and known == set(COLUMNS):
             return
         differing = listed([*([] if layout == LAYOUT else ["its layout"]), *sorted(known ^ set(COLUMNS))])
@@ -317,8 +314,12 @@ class RunFolder:
         return _refused("run-damaged", message, f"begin a new run, from its {SPEC} if that is left")
 
     def _save_manifest(self, content: bytes) -> None:
-        with _draft_of(self.path / MANIFEST) as draft:
+        draft = self.path / f"{MANIFEST}.new"
+        try:
             draft.write_bytes(content)
+            draft.replace(self.path / MANIFEST)
+        finally:
+            draft.unlink(missing_ok=True)
 
     @contextmanager
     def table(self) -> Iterator[sqlite3.Connection]:
@@ -335,15 +336,10 @@ class RunFolder:
         return sqlite3.connect(place, uri=True)
 
 
-@contextmanager
-def _draft_of(place: Path) -> Iterator[Path]:
-    """Where to write what takes the place of a file once it is whole, and is not left behind otherwise."""
-    draft = place.with_name(f"{place.name}.new")
-    try:
-        yield draft
-        draft.replace(place)
-    finally:
-        draft.unlink(missing_ok=True)
+def layout_of(table: sqlite3.Connection) -> tuple[int, set[str]]:
+    """The number of a table's layout, and the names of the columns of its trials; none where there is no such table."""
+    [(layout,)] = table.execute("PRAGMA user_version")
+    return layout, {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")}
 
 
 def _is(path: Path, known: os.stat_result) -> bool:

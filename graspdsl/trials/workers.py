@@ -41,7 +41,7 @@ FRUITLESS = 10  # workers that may die one after the other before any trial is f
 GROWN, SPARE = 2.0, 256e6  # one that needs more than so many times, and bytes, of what it did at first is replaced
 _STOPPED = {getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")}
 
-OnCrash = Callable[[int, str], PackedTrial]  # what is kept of a trial, by its number, and of what ended its process
+OnCrash = Callable[[int, str], PackedTrial]  # what is kept of a trial, by its number, and of what ended it each time
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,11 @@ def sharing(workers: int | None, engine: str, scheduler: str | None) -> Workers:
     if workers is not None:
         raise ValueError("a scheduler has workers of its own: give one of the two")
     return Dask(scheduler)
+
+
+def too_long(limit: float) -> str:
+    """What ended a process whose trials took longer than they may, [s] each."""
+    return f"after more than {limit:g} s, trials.wall_limit"
 
 
 class WorkerEndedError(Exception):
@@ -161,14 +166,12 @@ class _Worker:
     """A process, and the numbers of the trials that it knows of and has not finished, in the order in which it begins
     them.
 
-    ``alone``: whether it runs a suspect, and no other trial beside it; ``heard``: when it last said something [s];
-    ``memory``: the most that it has told of [bytes]; ``is_late``: whether it was killed since it said nothing for too
-    long.
+    ``heard``: when it last said something [s]; ``memory``: the most that it has told of [bytes]; ``is_late``: whether
+    it was killed since it said nothing for too long.
     """
 
     process: Process
     numbers: list[int] = field(default_factory=list)
-    alone: bool = False
     is_ready: bool = False
     heard: float = field(default_factory=time.monotonic)
     memory: float = 0.0
@@ -224,9 +227,8 @@ class Crew:
                 self._workers[pipe] = _Worker(process)
             self._send(pipe, more)
         for pipe, worker in self._workers.items():
-            worker.alone = worker.alone and bool(worker.numbers)
-            count = share - len(worker.numbers)
-            if count and not worker.alone and (more := self._next(count, begins=not worker.numbers)):
+            count, alone = share - len(worker.numbers), not self._ends.keys().isdisjoint(worker.numbers)
+            if count and not alone and (more := self._next(count, begins=not worker.numbers)):
                 self._send(pipe, more)
 
     def _next(self, count: int, *, begins: bool) -> list[int]:
@@ -234,9 +236,7 @@ class Crew:
         return [self._suspects.popleft()] if begins and self._suspects else list(itertools.islice(self._left, count))
 
     def _send(self, pipe: Pipe, numbers: list[int]) -> None:
-        worker = self._workers[pipe]
-        worker.numbers += numbers
-        worker.alone = numbers[0] in self._ends
+        self._workers[pipe].numbers += numbers
         with suppress(OSError):  # that it has ended is found when its trials are awaited
             pipe.send(numbers)
 
@@ -275,7 +275,7 @@ class Crew:
             if self._ends[number] < RUNS:
                 self._suspects.append(number)
             else:
-                yield self._crashed(number, f"its process ended, {RUNS} times: {self._cause(worker)}")
+                yield self._crashed(number, self._cause(worker))
 
     def _running(self, worker: _Worker) -> list[int]:
         """The trials that a worker may be at."""
@@ -290,7 +290,7 @@ class Crew:
     def _cause(self, worker: _Worker) -> str:
         """What is known of how a worker ended."""
         if worker.is_late:
-            return f"after more than {self._limit:g} s, trials.wall_limit"
+            return too_long(self._limit)
         code = worker.process.exitcode
         said = "no exit code" if code is None else f"exit code {code}" if code >= 0 else signal.Signals(-code).name
         return f"{said}, with {worker.memory / 1e6:.0f} MB" if worker.memory else said

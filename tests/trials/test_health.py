@@ -9,6 +9,7 @@ import sqlite3
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -218,8 +219,8 @@ def test_a_run_that_is_being_run_is_told_as_it_is_and_not_mended(run: RunFolder)
 def _as_before(run: RunFolder) -> None:
     """Make a run what graspdsl 0.3.0 would have made of it: a file for each trajectory."""
     for piece in run.pieces():
-        rows = {name: values for name, values in run.unpacked(piece).items() if name != TICK}
-        np.savez_compressed(run.packs.folder / f"{piece.number}.npz", **rows)  # type: ignore[arg-type]
+        rows: dict[str, Any] = {name: values for name, values in run.unpacked(piece).items() if name != TICK}
+        np.savez_compressed(run.packs.folder / f"{piece.number}.npz", **rows)
     run.packs.file(0).unlink()
     _alter(run, "DROP TABLE trajectories", "PRAGMA user_version = 0")
 
