@@ -26,6 +26,7 @@ from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_mount, check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
+from graspdsl.compiler.sweep_check import check_sweep, complaints_at
 from graspdsl.compiler.surroundings import OBJECT, USUAL, Surroundings
 from graspdsl.diagnostics import (
     Diagnostic,
@@ -53,6 +54,8 @@ from graspdsl.plugins.kinds import Plugin, is_built_in, with_offered
 from graspdsl.spec.loading import Known, Reading, Written, load_spec_text, read_document, spec_of
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
+from graspdsl.spec.overrides import makes_sweep
+from graspdsl.spec.sweeping import setting
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, absence, worlds_with
 
@@ -79,7 +82,8 @@ class Program:
     """A spec that is sound, with its robot, its world, its checked phases, its object and the files that make it.
 
     ``definitions``: the controllers there are by name, the prelude's and its own. ``plugins``: what it uses of other
-    packages and of its own code.
+    packages and of its own code. ``points``: the overrides that make of its spec that of each point of its sweep, which
+    is none.
     """
 
     source: Source
@@ -91,6 +95,8 @@ class Program:
     files: tuple[NamedFile, ...] = ()
     definitions: Mapping[str, Definition] = field(default_factory=prelude)
     plugins: tuple[Plugin, ...] = ()
+    points: tuple[tuple[str, ...], ...] = ()
+    _at: dict[int, Program] = field(default_factory=dict, init=False, compare=False)  # points that were asked for
 
     def __repr__(self) -> str:
         phases = "; ".join(phase.label for phase in self.phases)
@@ -110,6 +116,25 @@ class Program:
     def different_trials(self) -> float:
         """How many of its trials can differ from one another, inf for any number; all others repeat them."""
         return different_trials(self.spec)
+
+    def at(self, point: int) -> Program:
+        """The program of a point of its sweep: the same with other values. Raises DiagnosticError where that cannot
+        be."""
+        if point not in self._at:
+            self._at[point] = program_of(*self.source._replace(overrides=self.points[point]))
+        return self._at[point]
+
+    def of_trial(self, number: int) -> tuple[Program, int]:
+        """What a trial is of: the program of its point, and its number there; of no sweep, the program itself."""
+        if not self.points:
+            return self, number
+        point, own = divmod(number, self.spec.trials.count)
+        return self.at(point), own
+
+    @property
+    def trials(self) -> int:
+        """How many trials there are, at all points."""
+        return self.spec.trials.count * max(1, len(self.points))
 
     @property
     def monitors(self) -> MonitorBounds:
@@ -145,16 +170,36 @@ def known_names(document: Document | None = None) -> Known:
 def examine(
     text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE, allow_code: bool = False
 ) -> Examination:
-    """Check the text of a spec, faults of YAML, of values and of formulas all in one go.
+    """Check the text of a spec, faults of YAML, of values and of formulas all in one go, at every point of its sweep.
 
     Files that the spec names by relative paths are in ``folder``; its Python files are run where code is allowed.
     """
+    source = Source(text, name, overrides, folder, allow_code)
+    examination = _examined(source)
+    program = examination.program
+    if program is None or not program.points:
+        return examination
+    found = []
+    assert program.spec.sweep is not None
+    for number, (point, overrides) in enumerate(zip(program.spec.sweep.points(), program.points, strict=True)):
+        at = _examined(source._replace(overrides=overrides))
+        if at.program is not None:
+            program._at[number] = at.program
+        missing = missing_engine(at.program) if at.program else None
+        found.append((number, point, (*at.diagnostics, *([missing] if missing else []))))
+    document = read_document(text, name, overrides).document
+    others = complaints_at(program.spec.sweep, document, found, examination.diagnostics)
+    diagnostics = in_reading_order([*examination.diagnostics, *others])
+    return Examination(None if has_errors(diagnostics) else program, diagnostics)
+
+
+def _examined(source: Source) -> Examination:
+    """What becomes of a spec, whatever it is at the points of its sweep."""
     try:
-        written = read_document(text, name, overrides)
+        written = read_document(source.text, source.name, source.overrides)
     except DiagnosticError as error:
         return Examination(None, in_reading_order(error.diagnostics))
-    adoption = adopted(written.document, folder, allow_code=allow_code)
-    source = Source(text, name, overrides, folder, allow_code)
+    adoption = adopted(written.document, source.folder, allow_code=source.allow_code)
     try:
         with answered_for(adoption.plugins):
             return _judged(written, adoption, source)
@@ -178,6 +223,7 @@ def _judged(written: Written, adoption: Adoption, source: Source) -> Examination
         check_monitors(spec, document, complaints)
     if placed and reading.is_sound("trials"):
         check_trials(spec, document, complaints)
+        check_sweep(spec, document, complaints)
     thing = found_object(spec, document, complaints, folder) if placed else None
     if thing is not None:
         spec = spec.before(thing[0].shape.extent[2])
@@ -201,8 +247,18 @@ def _judged(written: Written, adoption: Adoption, source: Source) -> Examination
     files = (*hand_files.files, *object_files, *adoption.files)
     world, definitions = WORLDS[spec.scene.world], check.definitions
     sound = tuple(phase for phase in phases if phase is not None)
-    program = Program(source, spec, check.robot, world, sound, body, files, definitions, adoption.plugins)
+    points = _points(spec, document, source.overrides)
+    program = Program(source, spec, check.robot, world, sound, body, files, definitions, adoption.plugins, points)
     return Examination(program, diagnostics)
+
+
+def _points(spec: Spec, document: Document, overrides: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """The overrides of each point of a sweep: those there are but for what makes it a sweep, and its values."""
+    if spec.sweep is None:
+        return ()
+    kept = tuple(override for override in overrides if not makes_sweep(override))
+    unmade = (setting("sweep", None),) if ("sweep",) in document.places else ()
+    return tuple((*kept, *unmade, *map(setting, point, point.values())) for point in spec.sweep.points())
 
 
 def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:
@@ -252,8 +308,9 @@ def _own(found: Iterable[Diagnostic], reading: Reading) -> list[Diagnostic]:
 def program_of(
     text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE, allow_code: bool = False
 ) -> Program:
-    """The program of a spec without errors; otherwise raises DiagnosticError."""
-    examination = examine(text, name, overrides, folder, allow_code)
+    """The program of a spec without errors, whatever it is at the points of its sweep; otherwise raises
+    DiagnosticError."""
+    examination = _examined(Source(text, name, overrides, folder, allow_code))
     if examination.program is None:
         raise DiagnosticError(examination.diagnostics)
     return examination.program

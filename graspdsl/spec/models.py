@@ -13,6 +13,7 @@ from graspdsl.spec.grading import Grading
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.program import Control, Phase
 from graspdsl.spec.scene import Scene
+from graspdsl.spec.sweeping import Sweep
 from graspdsl.spec.trials import Trials
 
 
@@ -110,6 +111,9 @@ class Spec(Model):
     )
     grading: Grading = Field(default=Grading.usual(), description="by what conventions they are graded")
     trials: Trials = Field(default=Trials.usual(), description="how many trials there are and how they start")
+    sweep: Sweep | None = Field(
+        default=None, description="points at which all trials are run, which differ in some fields of the spec"
+    )
 
     def before(self, height: float) -> Spec:
         """The spec with the heights of its starts in m, before an object of a height [m]."""

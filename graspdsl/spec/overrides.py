@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint
@@ -13,6 +14,7 @@ from graspdsl.places.positions import Lines
 from graspdsl.places.wording import Data, shortened, shown
 from graspdsl.spec.scene import InlineObject
 
+_ONE_OF_SEVERAL = re.compile(r"""[^\s\\\[\](){}<>"']+|\[.*\]|\{.*\}|<.*>|".*"|'.*'""", re.DOTALL)
 _OF_ANY_OBJECT = InlineObject.model_fields.keys() - {*SHAPES, *FILES, "like"}
 
 
@@ -20,7 +22,8 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> tuple[Docum
     """The document with the overrides applied in their order, and what is wrong with those that could not be.
 
     An override is ``dotted.path=YAML value``. A number names an item of a list, from 0; a mapping that the file
-    leaves out is added, also where the file has only its name: ``load-cell`` for ``{load-cell: {}}``.
+    leaves out is added, also where the file has only its name: ``load-cell`` for ``{load-cell: {}}``. Several values,
+    ``scene.friction=0.3,0.6``, are those of a grid of a sweep.
     """
     faults: list[Diagnostic] = []
     for override in overrides:
@@ -35,12 +38,25 @@ def _refused(origin: str, code: str, message: str, hint: str | None) -> Diagnost
     return DiagnosticError([Diagnostic(code, f"{origin}: {message}", None, hint)])
 
 
+def makes_sweep(override: str) -> bool:
+    """Whether an override is of several values, or of the spec's sweep itself."""
+    dotted, _, text = override.partition("=")
+    return len(_several(text)) > 1 or dotted.strip().split(".")[0] == "sweep"
+
+
+def origin_of(override: str) -> str:
+    """The words that introduce a complaint about an override."""
+    return f"in --set {shortened(override)}"
+
+
 def _applied(document: Document, override: str) -> Document:
-    origin = f"in --set {shortened(override)}"
+    origin = origin_of(override)
     dotted, equals, text = override.partition("=")
     names = dotted.strip().split(".")
     if not equals or not all(names):
         raise _refused(origin, "bad-override", "expected path=value", "for example --set scene.friction=0.6")
+    if len(values := _several(text)) > 1:
+        return _with_sweep(document, dotted.strip(), [_value(one, origin) for one in values], origin)
     value = _value(text, origin)
     path: Path = ()
     at: Data = document.data
@@ -71,6 +87,31 @@ def _applied(document: Document, override: str) -> Document:
             message = f"{_said(path)} is {shown(at)}, which has nothing inside"
             raise _refused(origin, "unknown-path", message, hint)
     return document.with_value(path, value, origin)
+
+
+def _with_sweep(document: Document, field: str, values: list[Data], origin: str) -> Document:
+    """The document with a sweep over values of a field, besides those of the grid that it has."""
+    if not document.has(("sweep", "grid")):
+        return document.with_value(("sweep",), {"grid": {field: values}}, origin)
+    return document.with_value(("sweep", "grid", field), values, origin)
+
+
+def _several(text: str) -> list[str]:
+    """The values in a text that commas part, where each is a bare word or number, or stands in brackets or quotes; else
+    the whole text."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        elif letter == "," and not depth:
+            parts.append("")
+            continue
+        depth += 0 if quote else (letter in "[({<") - (letter in "])}>")
+        parts[-1] += letter
+    values = [part.strip() for part in parts]
+    return values if all(map(_ONE_OF_SEVERAL.fullmatch, values)) else [text]
 
 
 def _whole(name: str, path: Path, names: Sequence[str], text: str) -> str:

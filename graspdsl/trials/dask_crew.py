@@ -24,8 +24,9 @@ from graspdsl.compiler.program import Program, Source
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.dask_tasks import JOB, Job, Lost, check, entry_of, run_batch
 from graspdsl.trials.identity import versions
-from graspdsl.trials.loop import OnDrawing, together
+from graspdsl.trials.loop import OnDrawing
 from graspdsl.trials.record import PackedTrial
+from graspdsl.trials.sweeps import most_together
 from graspdsl.trials.workers import (
     FRUITLESS,
     GLANCE,
@@ -55,7 +56,7 @@ class DaskCrew:
             raise DiagnosticError([Diagnostic("not-installed", "Dask needs distributed", hint=hint)])
         made_by, limit = versions(program), program.spec.trials.wall_limit
         self._job = Job(source, program.files, made_by, program.plugins, seed, limit)
-        self._most = together(program)
+        self._most = most_together(program)
         self._place, self._tell, self._crashed = place, on_drawing, on_crash
         self._run = f"graspdsl-{uuid.uuid4().hex}"
         self._client: Any = None

@@ -27,7 +27,7 @@ from graspdsl.plugins.kinds import Plugin
 from graspdsl.trials.identity import other_plugins
 from graspdsl.trials.loop import TrialLoop
 from graspdsl.trials.record import PackedTrial
-from graspdsl.trials.setup import trial_loop
+from graspdsl.trials.sweeps import SweepLoop, loop_over
 from graspdsl.trials.workers import GLANCE, RUNS, too_long
 
 JOB = "job"  # what a run's entry at the scheduler has it under
@@ -58,7 +58,7 @@ class _Kept:
     run: str
     job: Job
     program: Program
-    loop: TrialLoop
+    loop: TrialLoop | SweepLoop
     folder: TemporaryDirectory[str]
 
 
@@ -111,7 +111,7 @@ class _Watch:
 
 
 @contextmanager
-def _watching(loop: TrialLoop, limit: float, late: Callable[[], object]) -> Iterator[_Watch]:
+def _watching(loop: TrialLoop | SweepLoop, limit: float, late: Callable[[], object]) -> Iterator[_Watch]:
     """Within, trials that nothing is heard of for longer than all of them may take, [s] each, are late."""
     watch, done = _Watch(time.monotonic()), threading.Event()
 
@@ -149,7 +149,7 @@ def _made(run: str, job: Job, address: str) -> _Kept:
         message = f"the Dask worker {address} has {listed(there)}; here there is {listed(here)}"
         raise _differs(message, "install the same there")
     with answered_for(program.plugins):
-        return _Kept(run, job, program, trial_loop(program), folder)
+        return _Kept(run, job, program, loop_over(program), folder)
 
 
 def check(found: Mapping[str, Mapping[str, str]], wanted: Mapping[str, str]) -> None:

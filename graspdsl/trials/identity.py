@@ -22,6 +22,7 @@ UNTOLD: dict[str, Any] = {
     "name": True,
     "about": True,
     "code": True,
+    "sweep": True,
 }  # of a spec
 
 
@@ -41,8 +42,11 @@ def identities(
     those that are here.
 
     Each is a hash of all that a trial's numbers depend on: the spec, the trial number, the seed, the versions and what
-    other packages, or the spec's own code, have a part in it.
+    other packages, or the spec's own code, have a part in it. A trial of a sweep has that of the same trial of the spec
+    that its point is.
     """
+    if program.points:
+        return _identities_over(program, seed, made_by, plugins)
     spec = program.spec.model_dump(mode="json", exclude=UNTOLD, warnings=False)  # of keys that came since
     made_by = made_by or versions(program)
     before = [spec, program.monitors.model_dump(mode="json", warnings=False)]
@@ -60,6 +64,30 @@ def identities(
     return of
 
 
+def _identities_over(
+    program: Program, seed: int, made_by: Mapping[str, str] | None, plugins: Sequence[Plugin] | None
+) -> Callable[[int], str]:
+    known = dict[int, Callable[[int], str]]()
+
+    def of(number: int) -> str:
+        at, own = program.of_trial(number)
+        point = (number - own) // program.spec.trials.count
+        if point not in known:
+            known[point] = identities(at, seed, made_by, plugins)
+        return known[point](own)
+
+    return of
+
+
+def at_one_point(program: Program, known_by: Mapping[int, str]) -> Mapping[int, str]:
+    """Of the trials of a program with their identities those that tell whether all came from it: of a sweep, whose
+    points are all made from one spec, those at the point of the first."""
+    if not program.points:
+        return known_by
+    point = min(known_by, default=0) // program.spec.trials.count
+    return {number: one for number, one in known_by.items() if number // program.spec.trials.count == point}
+
+
 def check_origin(folder: RunFolder, program: Program, known_by: Mapping[int, str] | None = None) -> list[Diagnostic]:
     """Whether the trials of a run were made from the spec, the files and the seed that its folder holds, by whatever
     versions of the libraries. Returns a warning where another graspdsl made them: its specs may mean other things.
@@ -69,7 +97,7 @@ def check_origin(folder: RunFolder, program: Program, known_by: Mapping[int, str
     Raises DiagnosticError when they were not.
     """
     manifest, trials = folder.manifest, program.spec.trials
-    if (manifest.name, manifest.seed, manifest.asked) != (program.spec.name, trials.seed, trials.count):
+    if (manifest.name, manifest.seed, manifest.asked) != (program.spec.name, trials.seed, program.trials):
         raise DiagnosticError([other_origin()])
     here = versions(program)
     if manifest.versions.get("graspdsl") != here["graspdsl"] or not here.keys() <= manifest.versions.keys():
@@ -78,7 +106,7 @@ def check_origin(folder: RunFolder, program: Program, known_by: Mapping[int, str
         return [Diagnostic("run-unchecked", message, severity=Severity.WARNING)]
     made = (manifest.versions, manifest.plugins), (here, program.plugins)
     known = [identities(program, manifest.seed, *by) for by in made]
-    known_by = folder.identities() if known_by is None else known_by
+    known_by = at_one_point(program, folder.identities() if known_by is None else known_by)
     if any(identity not in {of(number) for of in known} for number, identity in known_by.items()):
         raise DiagnosticError([other_origin()])
     before, now = other_plugins(manifest.plugins, program.plugins)

@@ -33,14 +33,15 @@ class DamagedPieceError(Exception):
 
 class Packs:
     """The packs in a folder: of trials 0 to 999, 1000 to 1999 and so on. Pieces are only ever put behind others: what a
-    process that was killed has not put there whole is cut off by the next that writes."""
+    process that was killed has not put there whole is cut off by the next that writes. Trials may be numbered from
+    ``number`` on."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, number: int = 0) -> None:
+        self.folder, self._number = folder, number
 
     def file(self, number: int) -> Path:
         """The pack that a trial's piece is in."""
-        first = number // EACH * EACH
+        first = (self._number + number) // EACH * EACH
         return self.folder / f"{first:06d}-{first + EACH - 1:06d}{SUFFIX}"
 
     def all(self) -> list[Path]:

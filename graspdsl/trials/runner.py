@@ -15,13 +15,13 @@ from graspdsl.objects.shapes import Body
 from graspdsl.objects.standing import pose_at_rest
 from graspdsl.plugins.answering import answered_for
 from graspdsl.trials.crashed import crashed
-from graspdsl.trials.identity import identities, other_origin, other_plugins, versions
+from graspdsl.trials.identity import at_one_point, identities, other_origin, other_plugins, versions
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.loop import OnDrawing, together
+from graspdsl.trials.loop import OnDrawing
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import PackedTrial, TrialRecord
-from graspdsl.trials.setup import trial_loop
 from graspdsl.trials.store import Manifest, RunFolder
+from graspdsl.trials.sweeps import loop_over, most_together
 from graspdsl.trials.workers import RUNS, Crew, Dask, Workers
 
 OnRecord = Callable[[TrialRecord], object]
@@ -33,8 +33,9 @@ def new_run(path: Path, program: Program) -> RunFolder:
     _can_be_run(program)
     source, trials, made_by = program.source, program.spec.trials, versions(program)
     manifest = Manifest(
-        *(program.spec.name, source.name, source.overrides, trials.seed, trials.count, made_by),
+        *(program.spec.name, source.name, source.overrides, trials.seed, program.trials, made_by),
         plugins=program.plugins,
+        points=program.points,
     )
     return RunFolder.create(path, manifest, source.text, program.files, allow_code=source.allow_code)
 
@@ -58,7 +59,7 @@ def pending(folder: RunFolder, program: Program, finished: Sequence[TrialRecord]
     """
     done = {record.number: record.identity for record in finished}
     identity_of = identities(program, folder.manifest.seed)
-    if any(identity_of(number) != known for number, known in done.items()):
+    if any(identity_of(number) != known for number, known in at_one_point(program, done).items()):
         raise DiagnosticError([_differs(folder.manifest, program)])
     return [number for number in range(folder.manifest.asked) if number not in done]
 
@@ -77,7 +78,7 @@ def execute(
     A trial that ends its worker process twice is one that has crashed.
 
     Raises DiagnosticError as ``pending`` does, when the folder cannot be written to, or when none of the first trials
-    could begin (on a grid, where each trial starts elsewhere, all may run); WorkerEndedError when workers end one after
+    could begin (on a grid or in a sweep, where others may, all are run); WorkerEndedError when workers end one after
     the other. After these, as after KeyboardInterrupt, what was finished is kept and another call goes on.
     """
     with folder.held():
@@ -102,7 +103,8 @@ def execute(
         identity_of, limit = identities(program, seed), program.spec.trials.wall_limit
 
         def crash(number: int, cause: str) -> PackedTrial:
-            return crashed(program, number, identity_of(number), f"its process ended, {RUNS} times: {cause}").packed()
+            at, _ = program.of_trial(number)
+            return crashed(at, number, identity_of(number), f"its process ended, {RUNS} times: {cause}").packed()
 
         if isinstance(workers, Dask):
             from graspdsl.trials.dask_crew import DaskCrew
@@ -112,7 +114,7 @@ def execute(
         elif count == 1:
             trials = _here(program, numbers, seed, tell)
         else:
-            crew = Crew(source_of(folder), seed, count, together(program), limit, tell, crash)
+            crew = Crew(source_of(folder), seed, count, most_together(program), limit, tell, crash)
             trials = crew.run(numbers)
         first = min(TRIALS_TO_BEGIN, folder.manifest.asked)
         barren = {record.number: record for record in finished if record.number < first and not record.has_begun}
@@ -123,7 +125,7 @@ def execute(
                     on_record(trial.record)
                 if trial.record.number < first and not trial.record.has_begun:
                     barren[trial.record.number] = trial.record
-                if len(barren) == first and program.spec.trials.grid is None:
+                if len(barren) == first and program.spec.trials.grid is None and not program.points:
                     raise DiagnosticError([_none_begins(list(barren.values()), program.body)])
 
 
@@ -160,5 +162,5 @@ def _differs(manifest: Manifest, program: Program) -> Diagnostic:
 
 def _here(program: Program, numbers: Sequence[int], seed: int, tell: OnDrawing) -> Generator[PackedTrial, None, None]:
     with answered_for(program.plugins):
-        for trial in trial_loop(program).run_all(numbers, seed, tell):
+        for trial in loop_over(program).run_all(numbers, seed, tell):
             yield trial.packed(program.spec.trials.keep)

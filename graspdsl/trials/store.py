@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import re
 import shlex
 import shutil
 import sqlite3
@@ -34,15 +35,18 @@ from graspdsl.trials.rows import COLUMNS, record_of, row_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, Rows, unpacked
 
 MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite", "trajectories"
+POINTS = "points"  # of a sweep: the folder of their reports
 FILES = COPIES  # of those that the spec names
 LAYOUT = 2  # of a run's folder; the first had a file for each trajectory, and no number
+_NUMBER = re.compile(r"[0-9]{3,4}", re.ASCII)
 PIECES = "number INTEGER PRIMARY KEY, offset INTEGER, size INTEGER, checksum INTEGER"
 
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
     """What a run is: enough to repeat it. ``overrides`` as given with --set, in order; ``wall_s`` spent so far;
-    ``plugins``: what it uses of other packages and of its own code."""
+    ``plugins``: what it uses of other packages and of its own code; ``points``: of a sweep, those of each point, which
+    have equally many of the trials, one point's behind the other's."""
 
     name: str
     spec_file: str
@@ -52,6 +56,7 @@ class Manifest:
     versions: Mapping[str, str]
     wall_s: Duration = 0.0
     plugins: tuple[Plugin, ...] = ()
+    points: tuple[tuple[str, ...], ...] = ()
 
     def as_json(self) -> bytes:
         """The content of its file. Raises DiagnosticError for names that are no text."""
@@ -74,12 +79,24 @@ class Manifest:
 class RunFolder:
     """A run on disk. Each finished trial is committed at once, so an interrupted run keeps what it has.
 
-    ``allow_code``: whether the Python files in it, which its spec names, may be run.
+    ``allow_code``: whether the Python files in it, which its spec names, may be run. ``point``: of a run that is a
+    sweep the number of one of its points, ``whole`` then the folder of all. What is read of it are the trials of that
+    point alone, numbered from 0, as of a run of its own, whose folder is that of its report.
     """
 
-    def __init__(self, path: Path, manifest: Manifest, *, allow_code: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        manifest: Manifest,
+        *,
+        allow_code: bool = False,
+        point: int | None = None,
+        whole: Path | None = None,
+    ) -> None:
         self.path, self.manifest, self.allow_code = path, manifest, allow_code
-        self.packs = Packs(path / TRAJECTORIES)
+        self.point, self.whole = point, whole or path
+        self._first = manifest.asked * (point or 0)  # of its trials, by the numbers in the table
+        self.packs = Packs(self.whole / TRAJECTORIES, self._first)
         self._held: os.stat_result | None = None
         self._open: sqlite3.Connection | None = None  # while it is held
 
@@ -136,6 +153,10 @@ class RunFolder:
     def at(cls, path: Path, *, allow_code: bool = False) -> RunFolder:
         """The run in a folder, of which nothing but the manifest has been read. Raises DiagnosticError when there is
         none."""
+        if (place := _point_at(path)) is not None:
+            whole = cls.at(place[0], allow_code=allow_code)
+            if place[1] < len(whole.manifest.points):
+                return whole.at_point(place[1])
         try:
             manifest = TypeAdapter(Manifest).validate_json(read_text(path / MANIFEST), strict=True)
         except (DiagnosticError, ValueError) as error:
@@ -145,16 +166,28 @@ class RunFolder:
             raise _refused("not-a-run", f"this is no run: there is no readable {MANIFEST} in it", hint) from error
         return cls(path, manifest, allow_code=allow_code)
 
+    def at_point(self, point: int) -> RunFolder:
+        """A point of a sweep as a run, to be read."""
+        manifest = self.manifest
+        one = dataclasses.replace(
+            manifest,
+            overrides=manifest.points[point],
+            asked=manifest.asked // len(manifest.points),
+            points=(),
+        )
+        path = self.path / POINTS / f"{point:03d}"
+        return RunFolder(path, one, allow_code=self.allow_code, point=point, whole=self.path)
+
     @property
     def files(self) -> Path:
         """Where the copies of the files are that the spec names."""
-        return self.path / FILES
+        return self.whole / FILES
 
     @property
     def spec_text(self) -> str:
         """The text of the spec that was run, before overrides. Raises DiagnosticError when it is lost."""
         try:
-            return read_text(self.path / SPEC)
+            return read_text(self.whole / SPEC)
         except DiagnosticError as error:
             raise self._damaged(SPEC, error.diagnostics[0].message) from error
 
@@ -182,7 +215,7 @@ class RunFolder:
         table, self._open, self._held = self._open, None, None
         if table is not None:
             with closing(table), suppress(sqlite3.Error):
-                if (self.path / TABLE).is_file():
+                if (self.whole / TABLE).is_file():
                     table.execute("PRAGMA journal_mode = DELETE")
 
     def add(self, trial: PackedTrial) -> None:
@@ -205,26 +238,34 @@ class RunFolder:
 
     def records(self) -> list[TrialRecord]:
         """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
-        return [self.believed(row) for row in self._read(f"SELECT {', '.join(COLUMNS)} FROM trials ORDER BY number")]
+        return [self.believed(row) for row in self._rows_of("trials", COLUMNS, "ORDER BY number")]
 
     def outcomes(self) -> dict[str, int]:
         """How many of the trials in the table ended in which way, counted without a look at what else they hold."""
-        return dict(self._read("SELECT outcome, count(*) FROM trials GROUP BY outcome"))
+        return dict(self._rows_of("trials", ("outcome", "count(*)"), "GROUP BY outcome"))
 
     def identities(self) -> dict[int, str]:
         """The identities of the trials in the table, by number."""
-        return dict(self._read("SELECT number, identity FROM trials"))
+        return dict(self._rows_of("trials", ("number", "identity")))
 
     def pieces(self, number: int | None = None) -> list[Piece]:
         """Where the trajectories of its trials are, or that of one of them."""
-        chosen = "" if number is None else f" WHERE number = {number:d}"
-        rows = self._read(f"SELECT {', '.join(Piece._fields)} FROM trajectories{chosen}")
+        chosen = "" if number is None else f"AND number = {self._first + number:d}"
+        rows = self._rows_of("trajectories", Piece._fields, chosen)
         if any(type(value) is not int or value < 0 for row in rows for value in row):
             raise self._damaged(TABLE, "a trajectory has no place")
         return [Piece(*row) for row in rows]
 
+    def _rows_of(self, table: str, columns: Sequence[str], more: str = "") -> list[tuple[Any, ...]]:
+        """Of a table those rows that are of its trials, with their own numbers."""
+        mine, of_mine = "true", list(columns)
+        if self.point is not None:
+            mine = f"number BETWEEN {self._first} AND {self._first + self.manifest.asked - 1}"
+            of_mine = [f"number - {self._first}" if name == "number" else name for name in columns]
+        return self._read(f"SELECT {', '.join(of_mine)} FROM {table} WHERE {mine} {more}")
+
     def _read(self, statement: str) -> list[tuple[Any, ...]]:
-        if not (self.path / TABLE).is_file():
+        if not (self.whole / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
         try:
             with self.table() as table:
@@ -306,7 +347,7 @@ class RunFolder:
         if not _is(self.path / LOCK, self._held):
             hint = "if it was moved, go on with --resume and its new name; if not, nothing is kept: begin a new run"
             raise _refused("folder-gone", "this folder was removed or moved while its trials were run", hint)
-        if not (self.path / TABLE).is_file():
+        if not (self.whole / TABLE).is_file():
             raise self._damaged(TABLE, "there is no such file")
 
     def _damaged(self, file: str, reason: str) -> DiagnosticError:
@@ -332,8 +373,17 @@ class RunFolder:
             yield connection
 
     def _connected(self) -> sqlite3.Connection:
-        place = f"{(self.path / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
+        place = f"{(self.whole / TABLE).absolute().as_uri()}?mode=rw"  # which makes none where there is none
         return sqlite3.connect(place, uri=True)
+
+
+def _point_at(path: Path) -> tuple[Path, int] | None:
+    """The folder of a sweep and the number of its point, if a folder looks like that of one."""
+    place = path if len(path.parts) > 2 else path.absolute()
+    run = place.parent.parent
+    if place.parent.name != POINTS or not _NUMBER.fullmatch(place.name) or not (run / MANIFEST).is_file():
+        return None
+    return run, int(place.name)
 
 
 def layout_of(table: sqlite3.Connection) -> tuple[int, set[str]]:

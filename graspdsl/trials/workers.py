@@ -31,7 +31,7 @@ from graspdsl.plugins.answering import answered_for
 from graspdsl.trials.interruption import SIGNALS, interruption
 from graspdsl.trials.loop import OnDrawing
 from graspdsl.trials.record import PackedTrial
-from graspdsl.trials.setup import trial_loop
+from graspdsl.trials.sweeps import loop_over
 
 ENGINES = ("local", "dask")
 AHEAD = 8  # trials that a worker knows of besides those it runs, so that it need not wait for the next
@@ -128,7 +128,7 @@ def _work(pipe: Pipe, source: Source, seed: int) -> None:
     try:
         program = program_of(*source)
         with answered_for(program.plugins):
-            loop, keep = trial_loop(program), program.spec.trials.keep
+            loop, keep = loop_over(program), program.spec.trials.keep
             pipe.send(Ready())
             for trial in loop.run_all(asked_for(), seed, functools.partial(_tell, pipe)):
                 pipe.send(Finished(trial.packed(keep), _memory()))
