@@ -80,7 +80,12 @@ Kept = Annotated[
         metavar="all|ends|none|every=N", help="Which ticks of trajectories are kept; trials measure the same with each."
     ),
 ]
-Setting = Annotated[list[str], typer.Option("--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6.")]
+Setting = Annotated[
+    list[str],
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change a value: scene.friction=0.6; several, 0.3,0.6, are a sweep."
+    ),
+]
 
 
 def _with_backend(settings: list[str], backend: Evaluator | None) -> list[str]:
@@ -170,7 +175,7 @@ def run(
     as_json: AsJson = False,
     allow_code: AllowCode = False,
 ) -> None:
-    """Run a spec's trials and report what the controller did."""
+    """Run a spec's trials, at every point of its sweep, and report what the controller did."""
     with answering(as_json):
         sharing = _sharing(workers, engine, scheduler)
         if resume is not None:
@@ -179,7 +184,7 @@ def run(
                 raise typer.BadParameter(message, param_hint="--resume")
             from graspdsl.cli.running import finish, go_on
 
-            folder = go_on(resume, spec, allow_code=allow_code)
+            made = go_on(resume, spec, allow_code=allow_code)
         elif spec is None:
             raise typer.BadParameter("give a spec, or --resume a run", param_hint="SPEC")
         else:
@@ -187,11 +192,12 @@ def run(
             overrides += [f"trials.count={trials}"] if trials is not None else []
             overrides += [f"trials.seed={seed}"] if seed is not None else []
             overrides += [f"trials.keep={keep}"] if keep is not None else []
-            program = sound(spec, tuple(overrides), allow_code=allow_code)
+            program = sound(spec, tuple(overrides), allow_code=allow_code, sweeps=True)
+            from graspdsl.api.sweeps import of_either_kind
             from graspdsl.cli.running import begin, finish
 
-            folder = begin("run", program, out)
-        code = finish(folder, sharing, as_json, page=not no_report)
+            made = of_either_kind(begin("run", program, out), program)
+        code = finish(made, sharing, as_json, page=not no_report)
     raise typer.Exit(code)
 
 
@@ -312,9 +318,9 @@ def report(
 ) -> None:
     """Summarise a run, finished or not, and write its page and figures anew."""
     with answering(as_json):
-        from graspdsl.cli.running import opened, show
+        from graspdsl.cli.running import opened_either, show
 
-        show(opened(folder, allow_code=allow_code), as_json)
+        show(opened_either(folder, allow_code=allow_code), as_json)
 
 
 @app.command()

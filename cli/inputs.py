@@ -79,10 +79,11 @@ def judged(path: Path, *, allow_code: bool = False) -> tuple[str, tuple[Diagnost
         return source, error.diagnostics
 
 
-def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = False) -> Program:
+def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = False, sweeps: bool = False) -> Program:
     """The program of a spec file, to be run; warnings go to stderr.
 
-    Raises DiagnosticError when it has errors, or what its world needs is not installed.
+    Raises DiagnosticError when it has errors, or what its world needs is not installed, or for a sweep where none can
+    be.
     """
     from graspdsl.api.programs import examined, program_in
     from graspdsl.compiler.program import missing_engine
@@ -93,6 +94,10 @@ def sound(path: Path, overrides: tuple[str, ...] = (), *, allow_code: bool = Fal
     complain(str(path), source, examination.diagnostics)
     if missing := missing_engine(program):
         raise DiagnosticError([missing], str(path), source)
+    if program.points and not sweeps:
+        message = f"this spec is a sweep of {len(program.points)} points, which 'graspdsl run' runs"
+        hint = "leave it out: --set sweep=null"
+        raise DiagnosticError([Diagnostic("is-a-sweep", message, hint=hint)], str(path), source)
     return program
 
 

@@ -125,7 +125,7 @@ def make_map(
         gridded = examine(*program.source._replace(overrides=whole))
     mapped = program_in(gridded, str(spec), source)
     complain(str(spec), source, [diagnostic for diagnostic in gridded.diagnostics if diagnostic not in known])
-    return finish_map(begin("map", mapped, out), workers, as_json)
+    return finish_map(Run(begin("map", mapped, out), mapped), workers, as_json)
 
 
 def resume_map(path: Path, workers: Workers, as_json: bool, *, allow_code: bool = False) -> int:

@@ -8,11 +8,12 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from graspdsl.api import runs
+from graspdsl.api import runs, sweeps
 from graspdsl.api.progress import TrialProgress
 from graspdsl.api.runs import Run
+from graspdsl.api.sweeps import Sweep
 from graspdsl.cli.messages import complain, if_interrupted, result, result_json, say
-from graspdsl.cli.tables import summary_text
+from graspdsl.cli.tables import summary_text, sweep_text
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_line, reading
 from graspdsl.places.files import read_text
@@ -27,13 +28,13 @@ from graspdsl.trials.workers import WorkerEndedError, Workers
 RUNS = Path("runs")
 
 
-def begin(command: str, program: Program, out: Path | None) -> Run:
-    """A new run, which ``command --resume`` goes on with; DiagnosticError where there can be none."""
+def begin(command: str, program: Program, out: Path | None) -> RunFolder:
+    """The folder of a new run, which ``command --resume`` goes on with; DiagnosticError where there can be none."""
     name = program.spec.name if command == "run" else f"{program.spec.name}-{command}"
     with reading(str(out or RUNS)), interruption.whole():
         folder = new_run(out or fresh_folder(RUNS, name), program)
         if_interrupted(kept(*resuming(command, folder)))
-    return Run(folder, program)
+    return folder
 
 
 def resuming(command: str, folder: RunFolder) -> list[str]:
@@ -48,10 +49,17 @@ def opened(path: Path, *, allow_code: bool = False) -> Run:
     return run
 
 
-def go_on(path: Path, spec: Path | None, *, allow_code: bool = False) -> Run:
+def opened_either(path: Path, *, allow_code: bool = False) -> Run | Sweep:
+    """The run, or the sweep, in a folder, as :func:`opened`."""
+    run, warnings = sweeps.opened_either(path, allow_code=allow_code)
+    complain(str(path), "", warnings)
+    return run
+
+
+def go_on(path: Path, spec: Path | None, *, allow_code: bool = False) -> Run | Sweep:
     """A run to be finished; the spec, if named too, must be the one it was made from."""
     if_interrupted(kept("run", "--resume", str(path)))
-    run = opened(path, allow_code=allow_code)
+    run = opened_either(path, allow_code=allow_code)
     if spec is not None:
         with reading(str(spec)):
             given = read_text(spec)
@@ -61,7 +69,7 @@ def go_on(path: Path, spec: Path | None, *, allow_code: bool = False) -> Run:
     return run
 
 
-def finish(run: Run, workers: Workers, as_json: bool, *, page: bool) -> int:
+def finish(run: Run | Sweep, workers: Workers, as_json: bool, *, page: bool) -> int:
     """Run what is not finished, show progress, then the summary; make its page if asked. Returns the exit code."""
     words = resuming("run", run.folder)
     with keeping(run.path, *words):
@@ -84,12 +92,13 @@ def keeping(path: Path, *command: str) -> Iterator[None]:
         raise DiagnosticError(faults, error.name, error.source) from None
 
 
-def carried_on(run: Run, workers: Workers, *command: str) -> int:
+def carried_on(run: Run | Sweep, workers: Workers, *command: str) -> int:
     """Run what is not finished and show progress. Returns the exit code; ``command`` is the one that would go on."""
     folder, manifest = run.folder, run.folder.manifest
     with reading(str(folder.path)), folder.held():
         finished = folder.finished()
         what = f"{manifest.asked} {'trial' if manifest.asked == 1 else 'trials'}, seed {manifest.seed}"
+        what += f", at {len(manifest.points)} points" if manifest.points else ""
         state = f", {len(finished)} finished before" if finished else ""
         say(f"{manifest.name}: {what}{state} → {on_one_line(str(folder.path))}")
         try:
@@ -103,12 +112,12 @@ def carried_on(run: Run, workers: Workers, *command: str) -> int:
     return 0
 
 
-def show(run: Run, as_json: bool, *, page: bool = True) -> None:
+def show(run: Run | Sweep, as_json: bool, *, page: bool = True) -> None:
     """The summary of a run, on stdout, and if asked its page in its folder; where there can be none, a warning."""
     if as_json:
         result_json(plain(run.summary))
     else:
-        result(summary_text(run.summary))
+        result(sweep_text(run.summary) if isinstance(run, Sweep) else summary_text(run.summary))
     if differs := departure(run.program):
         say(f"the chapter's claims about {run.name} are not asked of this run: {differs}")
     if not page:

@@ -19,6 +19,7 @@ from graspdsl.report.tables import Table
 
 if TYPE_CHECKING:
     from graspdsl.report.summary import Summary
+    from graspdsl.report.sweeps import SweepSummary
 
 
 def text_of(parts: Iterable[RenderableType], unwrapped: str = "") -> str:
@@ -52,3 +53,14 @@ def laid_out(made: Table) -> Group:
 def summary_text(summary: Summary) -> str:
     """The summary of a run, laid out for the terminal that stdout is."""
     return text_of(console.summary_parts(summary, writable), f"  {summary.command}")
+
+
+def sweep_text(found: SweepSummary) -> str:
+    """What a sweep did, laid out for the terminal that stdout is."""
+    from graspdsl.report.sweep_page import verdict
+    from graspdsl.report.sweeps import METHODS, changes_tables, correlations_table, points_table
+
+    tables = [points_table(found), *changes_tables(found, briefly=True).values(), correlations_table(found)]
+    parts: list[RenderableType] = [Text(writable(on_one_line(f"{found.name}, seed {found.seed}")), style="bold")]
+    parts += [part for table in tables if table.rows for part in ("", laid_out(table))]
+    return text_of([*parts, "", Text(writable(verdict(found))), "", Text(writable(METHODS))], f"  {found.command}")

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 
-from graspdsl.compiler.program import Examination, Program, examine, program_of
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, as_text, reading
+from graspdsl.compiler.program import Examination, Program, examine
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, as_text
 from graspdsl.places.files import folder_of_files, read_text
 
 
@@ -63,11 +63,13 @@ def with_trials(program: Program, count: int | None, seed: int | None) -> Progra
     """The program of the same source with another number of trials and another seed. Raises DiagnosticError."""
     asked = {"trials.count": count, "trials.seed": seed}
     more = tuple(f"{path}={value}" for path, value in asked.items() if value is not None)
-    if not more:
-        return program
-    source = program.source._replace(overrides=(*program.source.overrides, *more))
-    with reading(source.name, source.text):
-        return program_of(*source)
+    return with_settings(program, *more) if more else program
+
+
+def with_settings(program: Program, *settings: str) -> Program:
+    """The program of the same source with other values, as ``--set`` takes them. Raises DiagnosticError."""
+    source = program.source._replace(overrides=(*program.source.overrides, *settings))
+    return program_in(examine(*source), source.name, source.text)
 
 
 def warn(name: str, diagnostics: Iterable[Diagnostic], text: str = "") -> None:

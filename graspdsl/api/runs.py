@@ -11,7 +11,7 @@ from operator import index
 from os import PathLike
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy.typing as npt
 
@@ -31,7 +31,7 @@ from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import execute, new_run, program_of_run
-from graspdsl.trials.store import SPEC, RunFolder
+from graspdsl.trials.store import POINTS, SPEC, RunFolder
 from graspdsl.trials.trajectories import Layout
 from graspdsl.trials.workers import WorkerEndedError, Workers, sharing
 
@@ -44,6 +44,8 @@ OnRecord = Callable[[TrialRecord], object]
 STOPPED = (KeyboardInterrupt, WorkerEndedError)
 
 MOST_WORKERS = 1024
+SWEEPS = "graspdsl.sweep runs it; set=['sweep=null'] makes it a plain one"
+R = TypeVar("R", bound="Kept")
 
 
 def run(
@@ -74,16 +76,29 @@ def run(
     were finished are kept in ``out``, and :func:`resume` goes on. Raises ValueError for less than one worker, or where
     engine, scheduler and workers do not go together.
     """
-    shared_by = _checked(workers, engine, scheduler)
+    shared_by = checked(workers, engine, scheduler)
     if not isinstance(program, Program):
         program = load(program, allow_code=allow_code)
     program = with_trials(program, trials, seed)
+    if program.points:
+        raise DiagnosticError([is_a_sweep(f"this spec is a sweep of {len(program.points)} points", SWEEPS)])
+    return performed(Run, program, shared_by, out, progress)
+
+
+def performed(
+    kind: Callable[[RunFolder, Program], R],
+    program: Program,
+    shared_by: Workers,
+    out: Place | None,
+    progress: bool | OnRecord,
+) -> R:
+    """A run, or a sweep, of a program: made, and all its trials run."""
     if out is not None:
-        with _told_how_to_go_on(Path(out)):
-            return _carried_on(_begun(Path(out), program), shared_by, progress)
+        with told_how_to_go_on(Path(out)):
+            return carried_on(_begun(kind, Path(out), program), shared_by, progress)
     passing = Path(mkdtemp(prefix="graspdsl-"))
     try:
-        made = _carried_on(_begun(passing / program.spec.name, program), shared_by, progress)
+        made = carried_on(_begun(kind, passing / program.spec.name, program), shared_by, progress)
     except BaseException as end:
         shutil.rmtree(passing, ignore_errors=True)
         if isinstance(end, STOPPED):
@@ -93,9 +108,14 @@ def run(
     return made
 
 
-def _begun(place: Path, program: Program) -> Run:
+def _begun(kind: Callable[[RunFolder, Program], R], place: Path, program: Program) -> R:
     with reading(str(place)):
-        return Run(new_run(place, program), program)
+        return kind(new_run(place, program), program)
+
+
+def is_a_sweep(message: str, hint: str) -> Diagnostic:
+    """The complaint about a sweep where a single run is asked for."""
+    return Diagnostic("is-a-sweep", message, hint=hint)
 
 
 def resume(
@@ -108,10 +128,10 @@ def resume(
     allow_code: bool = False,
 ) -> Run:
     """Run what is not finished of the run in a folder, as :func:`run` would have."""
-    shared_by = _checked(workers, engine, scheduler)
+    shared_by = checked(workers, engine, scheduler)
     begun = open_run(path, allow_code=allow_code)
-    with _told_how_to_go_on(begun.path):
-        return _carried_on(begun, shared_by, progress)
+    with told_how_to_go_on(begun.path):
+        return carried_on(begun, shared_by, progress)
 
 
 def open_run(path: Place, *, allow_code: bool = False) -> Run:
@@ -127,16 +147,26 @@ def open_run(path: Place, *, allow_code: bool = False) -> Run:
 
 def opened(path: Path, *, allow_code: bool = False) -> tuple[Run, list[Diagnostic]]:
     """The run in a folder, and the warnings about it. Raises DiagnosticError as :func:`open_run`."""
+    folder, program, warnings = opened_folder(path, allow_code=allow_code)
+    if program.points:
+        message = f"this run is a sweep of {len(program.points)} points"
+        raise DiagnosticError([is_a_sweep(message, f"name one of them: {path / POINTS}/000")], str(path))
+    return Run(folder, program), warnings
+
+
+def opened_folder(path: Path, *, allow_code: bool = False) -> tuple[RunFolder, Program, list[Diagnostic]]:
+    """The folder of a run, its program, and the warnings about it. Raises DiagnosticError as :func:`open_run`."""
     with reading(str(path)):
         folder = RunFolder.open(path, allow_code=allow_code)
         text = folder.spec_text
-    with reading(str(path / SPEC), text):
+    with reading(str(folder.whole / SPEC), text):
         program = program_of_run(folder)
     with reading(str(path)):
-        return Run(folder, program), check_origin(folder, program)
+        return folder, program, check_origin(folder, program)
 
 
-def _carried_on(begun: Run, workers: Workers, progress: bool | OnRecord) -> Run:
+def carried_on(begun: R, workers: Workers, progress: bool | OnRecord) -> R:
+    """Run what is not finished of a run."""
     folder = begun.folder
     with reading(str(folder.path)), folder.held():
         finished = folder.finished()
@@ -152,19 +182,27 @@ def _carried_on(begun: Run, workers: Workers, progress: bool | OnRecord) -> Run:
     return begun
 
 
-def _checked(workers: int | None, engine: str, scheduler: str | None) -> Workers:
+def checked(workers: int | None, engine: str, scheduler: str | None) -> Workers:
+    """Who shares the trials. Raises ValueError where that cannot be."""
     if workers is not None and not 1 <= index(workers) <= MOST_WORKERS:
         raise ValueError(f"workers: expected from 1 to {MOST_WORKERS} processes, found {workers}")
     return sharing(workers, engine, scheduler)
 
 
 @contextmanager
-def _told_how_to_go_on(place: Path) -> Iterator[None]:
+def told_how_to_go_on(place: Path) -> Iterator[None]:
+    """What stops a run within says how to go on with it."""
     try:
         yield
     except STOPPED as end:
         end.add_note(on_one_line(f"finished trials are kept; to go on: graspdsl.resume({str(place)!r})"))
         raise
+
+
+class Kept(Protocol):
+    """What is kept in the folder of a run."""
+
+    folder: RunFolder
 
 
 class Trials:

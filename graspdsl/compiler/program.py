@@ -26,8 +26,8 @@ from graspdsl.compiler.resources import ResourceTable
 from graspdsl.compiler.scene_check import check_mount, check_scene, check_sensing, hand_for_floating
 from graspdsl.compiler.settings import Target, different_trials, target_of
 from graspdsl.compiler.start_check import check_sizes, check_start_posture, check_trials
-from graspdsl.compiler.sweep_check import check_sweep, complaints_at
 from graspdsl.compiler.surroundings import OBJECT, USUAL, Surroundings
+from graspdsl.compiler.sweep_check import check_sweep, complaints_at
 from graspdsl.diagnostics import (
     Diagnostic,
     DiagnosticError,

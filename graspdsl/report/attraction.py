@@ -78,7 +78,7 @@ def map_of_run(folder: RunFolder) -> AttractionMap:
     program, manifest = program_of_run(folder), folder.manifest
     cells = cells_of(program.spec, folder.records())
     settings = [setting for setting in manifest.settings if not setting.startswith("trials.grid=")]
-    command = repeating(folder.path / SPEC, cells, manifest.seed, settings, allow_code=folder.allow_code)
+    command = repeating(folder.whole / SPEC, cells, manifest.seed, settings, allow_code=folder.allow_code)
     return attraction_map(program, cells, manifest.seed, command)
 
 

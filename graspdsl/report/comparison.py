@@ -151,7 +151,9 @@ def comparison(runs: Sequence[tuple[Evidence, Summary]]) -> Comparison:
     return Comparison(
         {name: measure.label for name, measure in known.items()},
         tuple(_compared(evidence, summary, known) for evidence, summary in runs),
-        tuple(_against(evidences[0], other, equal[0, place], known) for place, other in enumerate(evidences[1:], 1)),
+        tuple(
+            held_against(evidences[0], other, equal[0, place], known) for place, other in enumerate(evidences[1:], 1)
+        ),
         samenesses(evidences, equal),
     )
 
@@ -161,7 +163,8 @@ def _compared(evidence: Evidence, summary: Summary, known: Mapping[str, Measure]
     return ComparedRun(summary, tuple(evidence.folder.manifest.settings), medians)
 
 
-def _against(first: Evidence, other: Evidence, pairs: Pairs, known: Mapping[str, Measure]) -> Against:
+def held_against(first: Evidence, other: Evidence, pairs: Pairs, known: Mapping[str, Measure]) -> Against:
+    """How a run differs from the first in these measures; ``pairs``: as of :func:`pairs_of`."""
     paired = len(pairs) > 0 and 2 * len(pairs) >= min(len(first.records), len(other.records))
     if paired:
         converged = difference_of_paired_shares(_converged([b for _, b in pairs]), _converged([a for a, _ in pairs]))

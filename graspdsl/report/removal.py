@@ -13,13 +13,18 @@ from graspdsl.trials.folders import LOCK, locked, unwritable
 from graspdsl.trials.interruption import interruption
 from graspdsl.trials.migrations import OF_ONE_TRIAL
 from graspdsl.trials.packs import SUFFIX
-from graspdsl.trials.store import MANIFEST, SPEC, TABLE, TRAJECTORIES, RunFolder
+from graspdsl.trials.store import MANIFEST, POINTS, SPEC, TABLE, TRAJECTORIES, RunFolder
 
+_REPORT = (PAGE, f"{PAGE}.*.new", *(f"{FIGURES}/*.{kind}" for kind in ("svg", "png", "new")))
 # The manifest first: what is left when the rest cannot be removed is no run that looks whole.
 _PARTS = (
-    *(MANIFEST, f"{MANIFEST}.*new", TABLE, f"{TABLE}-*", SPEC, PAGE, f"{PAGE}.*.new", *OF_A_MAP),
+    *(MANIFEST, f"{MANIFEST}.*new", TABLE, f"{TABLE}-*", SPEC, *OF_A_MAP),
     *(f"{TRAJECTORIES}/{name}" for name in (f"*{SUFFIX}", f"*{SUFFIX}.new", OF_ONE_TRIAL)),
     *(f"{FIGURES}/*.{kind}" for kind in ("svg", "png", "new")),
+    *(
+        f"{POINTS}/*/{name}"
+        for name in (PAGE, f"{PAGE}.*.new", *(f"{FIGURES}/*.{kind}" for kind in ("svg", "png", "new")))
+    ),
 )
 
 
@@ -29,6 +34,7 @@ def remove(folder: RunFolder) -> list[Path]:
 
     Raises DiagnosticError where a process runs its trials, or it cannot be removed.
     """
+    folder.check_whole()
     path = folder.path
     try:
         with locked(path), interruption.whole():
@@ -37,7 +43,8 @@ def remove(folder: RunFolder) -> list[Path]:
             if folder.files.is_dir() and not folder.files.is_symlink():
                 shutil.rmtree(folder.files)
         (path / LOCK).unlink(missing_ok=True)
-        for place in (path / TRAJECTORIES, path / FIGURES, path):
+        of_points = [*path.glob(f"{POINTS}/*/{FIGURES}"), *path.glob(f"{POINTS}/*"), path / POINTS]
+        for place in (*of_points, path / TRAJECTORIES, path / FIGURES, path):
             with suppress(OSError):  # one that is not there, or not empty
                 place.rmdir()
         return sorted(path.rglob("*")) if path.exists() else []

@@ -30,6 +30,7 @@ Interval = tuple[float, float]
 PAIRED_SHARES = "paired score interval (Newcombe 1998, Stat. Med. 17:2635, method 10)"
 UNPAIRED_SHARES = "hybrid score interval (Newcombe 1998, Stat. Med. 17:873, method 10)"
 PAIRED_MEDIANS = f"percentile bootstrap over pairs, {RESAMPLES} resamples"
+RANKS = f"percentile bootstrap over pairs of Spearman's rank correlation, {RESAMPLES} resamples"
 UNPAIRED_MEDIANS = f"percentile bootstrap over each run's trials, {RESAMPLES} resamples"
 
 
@@ -258,6 +259,27 @@ def ratio_of_medians(other: Array, first: Array, *, paired: bool) -> Estimate | 
         return None
     with np.errstate(divide="ignore", invalid="ignore"):
         return _estimate(np.divide, other, first, paired=paired)
+
+
+def rank_correlation(one: Array, other: Array) -> Estimate | None:
+    """Spearman's rank correlation of n pairs of numbers (n,), with the bootstrap's interval. None for fewer than FEWEST
+    pairs, or where one of the two is the same in all.
+
+    A resample in which one is the same in all may have any correlation, which widens the interval at either end.
+    """
+    if len(one) < FEWEST or np.ptp(one) == 0.0 or np.ptp(other) == 0.0:
+        return None
+    from scipy.stats import rankdata
+
+    drawn = np.random.default_rng(BOOTSTRAP_SEED).integers(len(one), size=(RESAMPLES, len(one)))
+    rows = np.concatenate([np.arange(len(one))[None], drawn])
+    with np.errstate(invalid="ignore"):
+        deviations = [rankdata(values[rows], axis=1) - (len(one) + 1) / 2 for values in (one, other)]
+        sizes = np.sqrt(np.prod([np.sum(part**2, axis=1) for part in deviations], axis=0))
+        found = np.sum(deviations[0] * deviations[1], axis=1) / sizes
+    low, _ = percentile_interval(np.nan_to_num(found[1:], nan=-1.0))
+    _, high = percentile_interval(np.nan_to_num(found[1:], nan=1.0))
+    return Estimate(float(found[0]), (low, high), RANKS, len(one))
 
 
 def _estimate(of: Callable[[Array, Array], Array], other: Array, first: Array, *, paired: bool) -> Estimate:

@@ -236,9 +236,9 @@ def summarised(evidence: Evidence) -> Summary:
 def repeating(folder: RunFolder) -> str:
     """The command that runs the same trials again."""
     manifest = folder.manifest
-    words = ["graspdsl", "run", str(folder.path / SPEC)]
+    words = ["graspdsl", "run", str(folder.whole / SPEC)]
     words += [word for setting in manifest.settings for word in ("--set", setting)]
-    words += ["--trials", str(manifest.asked), "--seed", str(manifest.seed)]
+    words += ["--trials", str(manifest.asked // max(1, len(manifest.points))), "--seed", str(manifest.seed)]
     words += ["--allow-code"] if folder.allow_code else []
     return shlex.join(words)
 

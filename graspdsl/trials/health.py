@@ -21,7 +21,7 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.rows import COLUMNS
 from graspdsl.trials.runner import program_of_run
 from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder, layout_of
-from graspdsl.trials.trajectories import DamagedTrajectoryError, Layout, unpacked
+from graspdsl.trials.trajectories import DamagedTrajectoryError, Layouts, layouts_of, unpacked
 
 # Drafts of files that a process which was killed had begun, and files of an earlier layout that are in packs by now.
 LEFT_OVER = ("*.new", f"{TRAJECTORIES}/*.new", "figures/*.new", f"{TRAJECTORIES}/{OF_ONE_TRIAL}")
@@ -85,6 +85,7 @@ def examined(folder: RunFolder, *, mine: bool = False) -> Health:
     Nothing of a run can be mended whose trials did not come from the spec that it holds: by another spec all that is
     whole would look damaged. mine: whether who asks has the lock of its folder.
     """
+    folder.check_whole()
     health, manifest = Health(), folder.manifest
     health.whole("manifest", f"{manifest.name}, seed {manifest.seed}, {manifest.asked} asked for")
     program = _spec(folder, health)
@@ -155,8 +156,8 @@ def _told_apart(
     return believed, doubted
 
 
-def _origin(folder: RunFolder, program: Program, believed: Sequence[TrialRecord], health: Health) -> Layout | None:
-    """The layout of its trajectories, where its trials are known to be the program's."""
+def _origin(folder: RunFolder, program: Program, believed: Sequence[TrialRecord], health: Health) -> Layouts | None:
+    """The layouts of its trajectories, where its trials are known to be the program's."""
     try:
         warnings = check_origin(folder, program, {record.number: record.identity for record in believed})
     except DiagnosticError as error:
@@ -166,7 +167,7 @@ def _origin(folder: RunFolder, program: Program, believed: Sequence[TrialRecord]
         health.note("origin", warning.message)
     if not warnings:
         health.whole("origin", "its trials came from this spec, these files and this seed")
-    return None if warnings else Layout.of(program)
+    return None if warnings else layouts_of(program)
 
 
 def _rows(
@@ -182,7 +183,13 @@ def _rows(
 
 
 def _trajectories(
-    folder: RunFolder, layout: Layout | None, pieces: Sequence[Piece], numbers: set[int], health: Health, *, known: bool
+    folder: RunFolder,
+    layout: Layouts | None,
+    pieces: Sequence[Piece],
+    numbers: set[int],
+    health: Health,
+    *,
+    known: bool,
 ) -> list[Piece]:
     """The pieces that are whole and of a trial."""
     kept, damaged, reasons = list[Piece](), list[int](), list[str]()
@@ -194,7 +201,7 @@ def _trajectories(
         try:
             if any(type(value) is not int or value < 0 for value in piece):
                 raise DamagedPieceError("it has no place")
-            unpacked(folder.packs.content(piece), layout)
+            unpacked(folder.packs.content(piece), layout and layout(piece.number))
         except (DamagedPieceError, DamagedTrajectoryError) as error:
             damaged.append(piece.number)
             reasons.append(str(error))

@@ -178,6 +178,12 @@ class RunFolder:
         path = self.path / POINTS / f"{point:03d}"
         return RunFolder(path, one, allow_code=self.allow_code, point=point, whole=self.path)
 
+    def check_whole(self) -> None:
+        """Raises DiagnosticError for a point of a sweep, which is run, mended and removed as a whole."""
+        if self.point is not None:
+            message = "this is one point of a sweep, which is run, mended and removed as a whole"
+            raise _refused("part-of-a-sweep", message, f"name the sweep: {self.whole}")
+
     @property
     def files(self) -> Path:
         """Where the copies of the files are that the spec names."""
@@ -197,6 +203,7 @@ class RunFolder:
 
         Raises DiagnosticError where another does, or where nothing can be written.
         """
+        self.check_whole()
         if self._held is not None:  # by whoever reads what is finished, then executes the rest
             yield
             return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from io import BytesIO
@@ -106,6 +106,22 @@ class Layout:
         levels = max(len(pipeline.priorities) for stages in program.pipelines() for pipeline in stages)
         joints = len(program.robot.joints) if program.world.has("hand") else 0
         return cls(len(program.robot.contacts), joints, levels)
+
+
+Layouts = Callable[[int], Layout]  # by the numbers of trials
+
+
+def layouts_of(program: Program) -> Layouts:
+    """The layouts of the trajectories of a program, at all points of a sweep."""
+    known = dict[int, Layout]()
+
+    def of(number: int) -> Layout:
+        at, own = program.of_trial(number)
+        if number - own not in known:
+            known[number - own] = Layout.of(at)
+        return known[number - own]
+
+    return of
 
 
 def packed(rows: Mapping[str, Float32Array], keep: str = ALL) -> bytes:

@@ -1,0 +1,211 @@
+"""A sweep as a page: its tables, and a figure for each field that is swept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation, Transform
+
+from graspdsl.places.wording import Data, slug
+from graspdsl.report.drawing import SMALL, Drawing, panels_of
+from graspdsl.report.palette import LIGHT, SERIES, series
+from graspdsl.report.statistics import RIGHT_ANGLE, Interval, wilson
+from graspdsl.report.sweeps import (
+    METHODS,
+    SweepSummary,
+    SweptPoint,
+    changes_tables,
+    correlations_table,
+    is_a_number,
+    labels_of,
+    points_table,
+    said,
+)
+from graspdsl.report.templating import rendered
+from graspdsl.report.wording import counted, percent, percents
+from graspdsl.report.writing import FIGURES, PAGE, replace
+from graspdsl.trials.store import RunFolder
+
+FAR = 30.0  # times: values that lie farther apart are drawn over a logarithm
+BESIDE, WIDEST = 4.0, 24.0  # pt between lines at the same value, and between the first and the last of many
+
+
+def drawings_of_sweep(found: SweepSummary) -> list[Drawing]:
+    """A figure for each field that is swept."""
+    return [
+        Drawing(f"sweep-{slug(field)}", field_figure(found, field), _caption(found, field)) for field in found.fields
+    ]
+
+
+def _caption(found: SweepSummary, field: str) -> str:
+    lines = "" if len(found.fields) == 1 else ", a line for each combination of the other fields"
+    lines = lines if found.on_grid else ", a mark for each point"
+    return (
+        f"Over {labels_of(list(found.fields))[field]}{lines}: the share of trials that converged and the ticks of "
+        "those that did, with 95 % intervals of shares and medians, and the orientation of grasps at the end: its "
+        "median, thick bars from the 25th to the 75th percentile of trials, thin ones from the 10th to the 90th."
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """Points to be joined, or not; what a legend calls them."""
+
+    label: str
+    points: list[SweptPoint]
+
+
+def _lines(found: SweepSummary, field: str) -> list[_Line]:
+    """The points that differ in a field alone together; of a sweep that is no grid, all of them."""
+    if not found.on_grid:
+        return [_Line("", list(found.points))]
+    labels, lines = labels_of(list(found.fields)), dict[str, list[SweptPoint]]()
+    for point in found.points:
+        others = (f"{labels[name]} {said(value)}" for name, value in point.values.items() if name != field)
+        lines.setdefault(", ".join(others), []).append(point)
+    return [_Line(label, points) for label, points in lines.items()]
+
+
+def field_figure(found: SweepSummary, field: str) -> Figure:
+    """Over the values of a field, the share of trials that converged (%), the median ticks of those that did, and the
+    orientation of grasps at the end [rad]: on a grid a line for every combination of the other fields."""
+    figure, panels = panels_of(5.8, (1.0, 1.0, 1.0))
+    place, lines = _placing(found, field, panels[-1]), _lines(found, field)
+    told = len(lines) <= len(SERIES)
+    for rank, line in enumerate(lines):
+        colour = LIGHT[series(rank) if told else "before"]
+        aside = (rank - (len(lines) - 1) / 2) * min(BESIDE, WIDEST / len(lines))
+        known = sorted((place(point.values[field]), point) for point in line.points if point.finished)
+        drawn = _Drawn(figure, aside, colour, line.label, joined=found.on_grid)
+        drawn.medians(panels[0], [(x, point.share, point.interval) for x, point in known], 100.0)
+        drawn.medians(panels[1], [(x, point.medians["ticks"], point.intervals["ticks"]) for x, point in known])
+        drawn.quantiles(panels[2], [(x, point.orientations) for x, point in known])
+    panels[0].set_ylim(-4.0, 104.0)
+    panels[0].set_ylabel("converged (%)")
+    panels[1].set_ylim(0.0, None)
+    panels[1].set_ylabel("ticks to converge")
+    panels[2].set_ylim(0.0, RIGHT_ANGLE * 1.04)
+    panels[2].set_ylabel("orientation at\nthe end (rad)")
+    unit = found.fields[field]
+    panels[2].set_xlabel(f"{field} ({unit})" if unit else field, parse_math=False)
+    if told and len(lines) > 1:
+        handles, labels = panels[0].get_legend_handles_labels()
+        legend = figure.legend(
+            handles, labels, loc="outside upper left", frameon=False, fontsize=SMALL, labelcolor=LIGHT["ink"], ncols=2
+        )
+        for text in legend.get_texts():
+            text.set_parse_math(False)
+    figure.align_ylabels()
+    return figure
+
+
+def _placing(found: SweepSummary, field: str, axes: Axes) -> Callable[[Data], float]:
+    """Where values of a field are on the abscissa: numbers where they are, words one beside the other."""
+    values = {said(point.values[field]): point.values[field] for point in found.points}
+    numbers = [float(value) for value in values.values() if isinstance(value, int | float)]
+    if all(map(is_a_number, values.values())):
+        if min(numbers) > 0.0 and max(numbers) > FAR * min(numbers):
+            axes.set_xscale("log")
+        return _number
+    places = {name: float(place) for place, name in enumerate(values)}
+    axes.set_xticks(list(places.values()), list(places), rotation=0 if len(places) < 8 else 60)
+    axes.set_xlim(-0.5, len(places) - 0.5)
+    for tick in axes.get_xticklabels():
+        tick.set_parse_math(False)
+    return lambda value: places[said(value)]
+
+
+def _number(value: Data) -> float:
+    assert isinstance(value, int | float)
+    return float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """A line of a figure: how far beside its place it is drawn [pt], in which colour, under which name."""
+
+    figure: Figure
+    aside: float
+    colour: str
+    label: str
+    joined: bool
+
+    def _on(self, axes: Axes) -> Transform:
+        return axes.transData + ScaledTranslation(self.aside / 72.0, 0.0, self.figure.dpi_scale_trans)
+
+    def medians(
+        self, axes: Axes, known: Sequence[tuple[float, float | None, Interval | None]], scale: float = 1.0
+    ) -> None:
+        """Numbers with their intervals over places, times ``scale``."""
+        marks = [(place, scale * value) for place, value, _ in known if value is not None]
+        axes.plot(
+            *(list(part) for part in zip(*marks, strict=True)),
+            color=self.colour,
+            label=self.label,
+            transform=self._on(axes),
+            marker="o",
+            markersize=4.0,
+            linewidth=1.2,
+            linestyle="-" if self.joined else "none",
+        )
+        for place, _, interval in known:
+            if interval is not None:
+                self._bar(axes, place, scale * interval[0], scale * interval[1], 1.0)
+
+    def quantiles(self, axes: Axes, known: Sequence[tuple[float, tuple[float, ...] | None]]) -> None:
+        """Medians with bars over the middle half and the middle four fifths."""
+        self.medians(axes, [(place, found[2] if found else None, None) for place, found in known])
+        for place, found in known:
+            if found is not None:
+                self._bar(axes, place, found[0], found[4], 0.8)
+                self._bar(axes, place, found[1], found[3], 2.4)
+
+    def _bar(self, axes: Axes, place: float, low: float, high: float, width: float) -> None:
+        axes.plot([place, place], [low, high], color=self.colour, linewidth=width, alpha=0.7, transform=self._on(axes))
+
+
+def verdict(found: SweepSummary) -> str:
+    """How many trials converged over all, and at which points the least and the most."""
+    if not found.finished:
+        return "No trial has finished."
+    known = [point for point in found.points if point.share is not None]
+    low, high = (choose(known, key=lambda point: point.share or 0.0) for choose in (min, max))
+    whole = f"{found.converged} of {counted(found.finished, 'trial', 'trials')} converged"
+    whole += f" at {counted(len(found.points), 'point', 'points')}"
+    if low.share == high.share:
+        return f"{whole}, {percent(low.share)} at each."
+    return f"{whole}: from {_at(low)} to {_at(high)}."
+
+
+def _at(point: SweptPoint) -> str:
+    labels = labels_of(list(point.values))
+    where = ", ".join(f"{labels[field]} {said(value)}" for field, value in point.values.items())
+    return f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))}) at {where}"
+
+
+def write_sweep(folder: RunFolder, found: SweepSummary) -> Path:
+    """Write the page of a sweep and its figures into its folder, as :func:`graspdsl.report.page.write_report`."""
+    drawings, differences = drawings_of_sweep(found), changes_tables(found)
+    page = rendered(
+        "sweep.html",
+        found=found,
+        verdict=verdict(found),
+        spec_text=folder.spec_text,
+        overrides=folder.manifest.overrides,
+        points=points_table(found),
+        fields=[
+            (field, drawing, differences.get(field)) for field, drawing in zip(found.fields, drawings, strict=True)
+        ],
+        differences=differences.get(""),
+        correlations=correlations_table(found),
+        methods=METHODS,
+    )
+    files: dict[str, str | bytes] = {PAGE: page}
+    for drawing in drawings:
+        files |= drawing.files(f"{FIGURES}/")
+    replace(folder.path, files, outdated=(f"{FIGURES}/*.svg", f"{FIGURES}/*.png"))
+    return folder.path / PAGE

@@ -1,0 +1,334 @@
+"""A sweep: what its points did, and what became of trials when one of its fields changed."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graspdsl.compiler.program import Program
+from graspdsl.places.validation import slot
+from graspdsl.places.wording import Data, as_yaml, shortened
+from graspdsl.report.comparison import MEASURES, Against, held_against, pairs_of
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.statistics import (
+    Estimate,
+    Interval,
+    median,
+    median_interval,
+    rank_correlation,
+    wilson,
+)
+from graspdsl.report.summary import repeating
+from graspdsl.report.tables import COUNT, INTERVAL, SHARE, TEXT, Column, Format, Table, fixed
+from graspdsl.spec.models import Spec
+from graspdsl.spec.sweeping import Point, Sweep, setting
+from graspdsl.trials.outcomes import Outcome
+from graspdsl.trials.store import RunFolder
+
+SHOWN = ("ticks", "orientation_end", "force_residual_end", "moment_residual_end")  # of MEASURES
+MEASURED = {name: MEASURES[name] for name in SHOWN}
+QUARTERS = (10.0, 25.0, 50.0, 75.0, 90.0)  # percentiles
+METHODS = (
+    "Intervals hold 95 %: of shares they are Wilson's, of medians between order statistics. Trials of the same number "
+    "begin alike at all points where that can be, and are then compared pair by pair: differences of shares have "
+    "Newcombe's score intervals, those of medians the bootstrap's. Each is by itself: of many, one in twenty misses."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SweptPoint:
+    """What the trials of one point did: ``values`` of the fields that are swept, and the median of each measure over
+    those trials that have it, with an interval where there are enough; ``orientations``: the percentiles QUARTERS of
+    the orientation at the end [rad]. ``run``: the folder that it is read from as a run."""
+
+    number: int
+    run: str
+    values: Point
+    asked: int
+    finished: int
+    converged: int
+    share: float | None
+    interval: Interval | None
+    outcomes: Mapping[str, int]
+    medians: Mapping[str, float | None]
+    intervals: Mapping[str, Interval | None]
+    orientations: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A point against one that differs from it in nothing but one field; in a sweep that is no grid, against the first
+    point, which differs in all, and there is no one ``field``."""
+
+    field: str | None
+    point: int
+    base: int
+    against: Against
+
+
+@dataclass(frozen=True, slots=True)
+class Correlation:
+    """How the numbers of a field and of a measure go together over the points, by their ranks (Spearman's ρ, 1)."""
+
+    field: str
+    measure: str
+    estimate: Estimate
+
+
+@dataclass(frozen=True, slots=True)
+class SweepSummary:
+    """Everything that is said of a sweep. ``fields``: what is swept, each with its unit, empty for words. ``on_grid``:
+    whether its points are all combinations of values of them."""
+
+    name: str
+    run: str
+    seed: int
+    command: str
+    on_grid: bool
+    fields: Mapping[str, str]
+    points: tuple[SweptPoint, ...]
+    changes: tuple[Change, ...]
+    correlations: tuple[Correlation, ...]
+
+    @property
+    def finished(self) -> int:
+        """How many trials are finished, at all points."""
+        return sum(point.finished for point in self.points)
+
+    @property
+    def converged(self) -> int:
+        """How many of them converged."""
+        return sum(point.converged for point in self.points)
+
+
+def swept(folder: RunFolder, program: Program) -> SweepSummary:
+    """What the trials of a sweep did that are finished. Raises DiagnosticError where they cannot be read."""
+    assert program.spec.sweep is not None
+    sweep, manifest = program.spec.sweep, folder.manifest
+    values, numbered = sweep.points(), range(len(manifest.points))
+    found = [_evidence(folder.at_point(number), program.at(number)) for number in numbered]
+    points = tuple(_point(number, values[number], evidence) for number, evidence in enumerate(found))
+    changes = tuple(
+        Change(
+            field, point, base, held_against(found[base], found[point], pairs_of(found[base], found[point]), MEASURED)
+        )
+        for field, point, base in _changes(sweep, values)
+    )
+    units = {field: _unit(field, [point[field] for point in values]) for field in sweep.fields}
+    told = tuple(_correlations(units, points)) if sweep.random else ()
+    return SweepSummary(
+        manifest.name,
+        str(folder.path),
+        manifest.seed,
+        repeating(folder),
+        sweep.grid is not None,
+        units,
+        points,
+        changes,
+        told,
+    )
+
+
+def _evidence(folder: RunFolder, program: Program) -> Evidence:
+    """The trials of a point, without their courses."""
+    return Evidence(folder, program, tuple(folder.records()), {}, frozenset())
+
+
+def _unit(field: str, values: Sequence[Data]) -> str:
+    if not all(map(is_a_number, values)):
+        return ""
+    return slot(Spec, tuple(int(step) if step.isdecimal() else step for step in field.split("."))).unit or "1"
+
+
+def is_a_number(value: Data) -> bool:
+    """Whether a value of a field can stand on an axis."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _point(number: int, values: Point, evidence: Evidence) -> SweptPoint:
+    records = evidence.records
+    converged = sum(record.outcome is Outcome.CONVERGED for record in records)
+    measured = {name: measure.values(records) for name, measure in MEASURED.items()}
+    ends = measured["orientation_end"]
+    return SweptPoint(
+        *(number, str(evidence.folder.path), values, evidence.folder.manifest.asked, len(records), converged),
+        share=converged / len(records) if records else None,
+        interval=wilson(converged, len(records)) if records else None,
+        outcomes=dict(Counter(record.outcome.value for record in records).most_common()),
+        medians={name: median(found) for name, found in measured.items()},
+        intervals={name: median_interval(found) for name, found in measured.items()},
+        orientations=tuple(map(float, np.percentile(ends, QUARTERS))) if len(ends) else None,
+    )
+
+
+def _changes(sweep: Sweep, points: Sequence[Point]) -> list[tuple[str | None, int, int]]:
+    """Which points are held against which: on a grid, for each field, those that have not its first value against the
+    one that has it and is the same else."""
+    if sweep.grid is None:
+        return [(None, point, 0) for point in range(1, len(points))]
+    by_values = {_key(point): number for number, point in enumerate(points)}
+    found: list[tuple[str | None, int, int]] = []
+    for field in sweep.fields:
+        first = points[0][field]
+        based = [by_values[_key({**point, field: first})] for point in points]
+        found += [(field, number, base) for number, base in enumerate(based) if number != base]
+    return found
+
+
+def _key(point: Point) -> tuple[str, ...]:
+    return tuple(map(setting, point, point.values()))
+
+
+def _correlations(units: Mapping[str, str], points: Sequence[SweptPoint]) -> list[Correlation]:
+    """Of every field of numbers with the share that converged and with the median of every measure."""
+    measures: dict[str, Callable[[SweptPoint], float | None]] = {"converged": lambda point: point.share}
+    measures |= {name: _median_of(name) for name in SHOWN}
+    found = []
+    for field in (field for field, unit in units.items() if unit):
+        for name, of in measures.items():
+            rows = [(point.values[field], of(point)) for point in points]
+            known = np.array([row for row in rows if row[1] is not None], dtype=float).reshape(-1, 2)
+            if (estimate := rank_correlation(known[:, 0], known[:, 1])) is not None:
+                found.append(Correlation(field, name, estimate))
+    return found
+
+
+def _median_of(name: str) -> Callable[[SweptPoint], float | None]:
+    return lambda point: point.medians[name]
+
+
+# Tables
+
+
+def said(value: Data) -> str:
+    """A value of a field, in few letters."""
+    if is_a_number(value) or isinstance(value, bool):
+        return as_yaml(value)
+    return shortened(value if isinstance(value, str) else json.dumps(value, ensure_ascii=False), 40)
+
+
+def labels_of(fields: Sequence[str]) -> dict[str, str]:
+    """Fields by as many of the last parts of their paths as tell them apart."""
+    found = {}
+    for field in fields:
+        parts = field.split(".")
+        for count in range(1, len(parts) + 1):
+            found[field] = ".".join(parts[-count:])
+            if sum((f".{other}").endswith(f".{found[field]}") for other in fields) == 1:
+                break
+    return found
+
+
+def points_table(found: SweepSummary) -> Table:
+    """What the trials of each point did."""
+    labels = labels_of(list(found.fields))
+    columns = (
+        Column("point", COUNT),
+        *(Column(labels[field], _format(unit)) for field, unit in found.fields.items()),
+        Column("trials", COUNT),
+        Column("converged", SHARE),
+        Column("95 %", INTERVAL),
+        *(Column(_LABELS[name], _FORMATS[name]) for name in SHOWN),
+        Column("other outcomes", _OUTCOMES),
+    )
+    rows = tuple(
+        (
+            *(point.number, *point.values.values(), point.finished, point.share, point.interval),
+            *(point.medians[name] for name in SHOWN),
+            {name: count for name, count in point.outcomes.items() if name != Outcome.CONVERGED.value} or None,
+        )
+        for point in found.points
+    )
+    return Table("Points: shares that converged, and medians", columns, rows, "ticks: of converged trials")
+
+
+def changes_tables(found: SweepSummary, *, briefly: bool = False) -> dict[str, Table]:
+    """What became of trials when a field changed, a table a field by its path; of a sweep that is no grid one, by an
+    empty one. ``briefly``: no more than a terminal has room for."""
+    tables = {}
+    for field in dict.fromkeys(change.field for change in found.changes):
+        changes = [change for change in found.changes if change.field == field]
+        label = "the first point" if field is None else labels_of(list(found.fields))[field]
+        columns = (
+            Column("point", COUNT),
+            *(() if field is None else (Column(f"{label}", _format(found.fields[field])),)),
+            Column("against", COUNT),
+            Column("pairs", COUNT),
+            Column("converged", TEXT),
+            *(Column(_LABELS[name], TEXT) for name in SHOWN),
+        )
+        rows = tuple(_change(change, found) for change in changes)
+        title = f"Differences from {label}" if field is None else f"Differences with {label}, all else the same"
+        whole = Table(title, columns, rows, "differences of shares and of medians, with 95 % intervals")
+        tables[field or ""] = whole.first(len(columns) - len(SHOWN) + 2) if briefly else whole
+    return tables
+
+
+def _change(change: Change, found: SweepSummary) -> tuple[object, ...]:
+    against = change.against
+    value = () if change.field is None else (found.points[change.point].values[change.field],)
+    return (
+        *(change.point, *value, change.base, against.pairs),
+        _difference(against.converged, 100.0, "+.0f", " points"),
+        *(_difference(against.differences.get(name), *_SCALED[name]) for name in SHOWN),
+    )
+
+
+def _difference(estimate: Estimate | None, scale: float, form: str, unit: str = "") -> str | None:
+    if estimate is None:
+        return None
+    value = f"{scale * estimate.value:{form}}{unit}"
+    if estimate.interval is None:
+        return f"{value} (too few)"
+    low, high = (scale * end for end in estimate.interval)
+    return f"{value}, {low:{form}} to {high:{form}}"
+
+
+def correlations_table(found: SweepSummary) -> Table:
+    """How fields and measures go together over points that were drawn."""
+    labels = labels_of(list(found.fields))
+    columns = (
+        Column("field"),
+        Column("with"),
+        Column("rank correlation", fixed(2)),
+        Column("95 %", _ENDS),
+        Column("points", COUNT),
+    )
+    rows = tuple(
+        (
+            *(labels[one.field], "share converged" if one.measure == "converged" else _LABELS[one.measure]),
+            *(one.estimate.value, one.estimate.interval, one.estimate.count),
+        )
+        for one in found.correlations
+    )
+    return Table("How the points' values and what was measured go together (Spearman's ρ)", columns, rows)
+
+
+def _format(unit: str) -> Format:
+    return Format(said, unit="" if unit == "1" else unit) if unit else Format(said, words=True)
+
+
+_OUTCOMES = Format(lambda outcomes: ", ".join(f"{name} {count}" for name, count in outcomes.items()), words=True)
+_ENDS = Format(lambda ends: f"{ends[0]:+.2f} to {ends[1]:+.2f}", lambda ends: float(ends[0]), ends=True)
+_LABELS = {
+    "ticks": "ticks",
+    "orientation_end": "orientation",
+    "force_residual_end": "‖ρ_f‖",
+    "moment_residual_end": "‖ρ_m‖",
+}
+_FORMATS = {
+    "ticks": fixed(0),
+    "orientation_end": fixed(3, "rad"),
+    "force_residual_end": fixed(4),
+    "moment_residual_end": fixed(2, "mm", 1e3),
+}
+_SCALED: Mapping[str, tuple[float, str, str]] = {
+    "ticks": (1.0, "+.0f", ""),
+    "orientation_end": (1.0, "+.3f", " rad"),
+    "force_residual_end": (1.0, "+.4f", ""),
+    "moment_residual_end": (1e3, "+.2f", " mm"),
+}
