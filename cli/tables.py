@@ -60,7 +60,11 @@ def sweep_text(found: SweepSummary) -> str:
     from graspdsl.report.sweep_page import verdict
     from graspdsl.report.sweeps import METHODS, changes_tables, correlations_table, points_table
 
-    tables = [points_table(found), *changes_tables(found, briefly=True).values(), correlations_table(found)]
+    tables = [
+        points_table(found, briefly=True),
+        *changes_tables(found, briefly=True).values(),
+        correlations_table(found),
+    ]
     parts: list[RenderableType] = [Text(writable(on_one_line(f"{found.name}, seed {found.seed}")), style="bold")]
     parts += [part for table in tables if table.rows for part in ("", laid_out(table))]
     return text_of([*parts, "", Text(writable(verdict(found))), "", Text(writable(METHODS))], f"  {found.command}")

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.transforms import ScaledTranslation, Transform
 
 from graspdsl.places.wording import Data, slug
 from graspdsl.report.drawing import SMALL, Drawing, panels_of
@@ -24,14 +23,16 @@ from graspdsl.report.sweeps import (
     labels_of,
     points_table,
     said,
+    valued,
 )
 from graspdsl.report.templating import rendered
 from graspdsl.report.wording import counted, percent, percents
 from graspdsl.report.writing import FIGURES, PAGE, replace
+from graspdsl.spec.sweeping import setting
 from graspdsl.trials.store import RunFolder
 
 FAR = 30.0  # times: values that lie farther apart are drawn over a logarithm
-BESIDE, WIDEST = 4.0, 24.0  # pt between lines at the same value, and between the first and the last of many
+BESIDE, WIDEST = 0.01, 0.06  # of the abscissa between lines at a value, and between the first and the last of many
 
 
 def drawings_of_sweep(found: SweepSummary) -> list[Drawing]:
@@ -63,11 +64,11 @@ def _lines(found: SweepSummary, field: str) -> list[_Line]:
     """The points that differ in a field alone together; of a sweep that is no grid, all of them."""
     if not found.on_grid:
         return [_Line("", list(found.points))]
-    labels, lines = labels_of(list(found.fields)), dict[str, list[SweptPoint]]()
+    labels, lines = labels_of(list(found.fields)), dict[tuple[str, ...], list[SweptPoint]]()
     for point in found.points:
-        others = (f"{labels[name]} {said(value)}" for name, value in point.values.items() if name != field)
-        lines.setdefault(", ".join(others), []).append(point)
-    return [_Line(label, points) for label, points in lines.items()]
+        others = {name: value for name, value in point.values.items() if name != field}
+        lines.setdefault(tuple(map(setting, others, others.values())), []).append(point)
+    return [_Line(valued(points[0], labels, but=field), points) for points in lines.values()]
 
 
 def field_figure(found: SweepSummary, field: str) -> Figure:
@@ -79,8 +80,9 @@ def field_figure(found: SweepSummary, field: str) -> Figure:
     for rank, line in enumerate(lines):
         colour = LIGHT[series(rank) if told else "before"]
         aside = (rank - (len(lines) - 1) / 2) * min(BESIDE, WIDEST / len(lines))
-        known = sorted((place(point.values[field]), point) for point in line.points if point.finished)
-        drawn = _Drawn(figure, aside, colour, line.label, joined=found.on_grid)
+        begun = [(place(point.values[field], aside), point) for point in line.points if point.finished]
+        known = sorted(begun, key=lambda placed: placed[0])
+        drawn = _Drawn(colour, line.label, joined=found.on_grid)
         drawn.medians(panels[0], [(x, point.share, point.interval) for x, point in known], 100.0)
         drawn.medians(panels[1], [(x, point.medians["ticks"], point.intervals["ticks"]) for x, point in known])
         drawn.quantiles(panels[2], [(x, point.orientations) for x, point in known])
@@ -103,20 +105,23 @@ def field_figure(found: SweepSummary, field: str) -> Figure:
     return figure
 
 
-def _placing(found: SweepSummary, field: str, axes: Axes) -> Callable[[Data], float]:
-    """Where values of a field are on the abscissa: numbers where they are, words one beside the other."""
+def _placing(found: SweepSummary, field: str, axes: Axes) -> Callable[[Data, float], float]:
+    """Where values of a field are on the abscissa, so far aside [of its length]: numbers where they are, words one
+    beside the other."""
     values = {said(point.values[field]): point.values[field] for point in found.points}
-    numbers = [float(value) for value in values.values() if isinstance(value, int | float)]
     if all(map(is_a_number, values.values())):
-        if min(numbers) > 0.0 and max(numbers) > FAR * min(numbers):
+        numbers = list(map(_number, values.values()))
+        low, high = min(numbers), max(numbers)
+        if low > 0.0 and high > FAR * low:
             axes.set_xscale("log")
-        return _number
+            return lambda value, aside: _number(value) * (high / low) ** aside
+        return lambda value, aside: _number(value) + (high - low) * aside
     places = {name: float(place) for place, name in enumerate(values)}
     axes.set_xticks(list(places.values()), list(places), rotation=0 if len(places) < 8 else 60)
     axes.set_xlim(-0.5, len(places) - 0.5)
     for tick in axes.get_xticklabels():
         tick.set_parse_math(False)
-    return lambda value: places[said(value)]
+    return lambda value, aside: places[said(value)] + len(places) * aside
 
 
 def _number(value: Data) -> float:
@@ -126,16 +131,11 @@ def _number(value: Data) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Drawn:
-    """A line of a figure: how far beside its place it is drawn [pt], in which colour, under which name."""
+    """A line of a figure: in which colour, under which name, and whether its marks are joined."""
 
-    figure: Figure
-    aside: float
     colour: str
     label: str
     joined: bool
-
-    def _on(self, axes: Axes) -> Transform:
-        return axes.transData + ScaledTranslation(self.aside / 72.0, 0.0, self.figure.dpi_scale_trans)
 
     def medians(
         self, axes: Axes, known: Sequence[tuple[float, float | None, Interval | None]], scale: float = 1.0
@@ -146,7 +146,6 @@ class _Drawn:
             *(list(part) for part in zip(*marks, strict=True)),
             color=self.colour,
             label=self.label,
-            transform=self._on(axes),
             marker="o",
             markersize=4.0,
             linewidth=1.2,
@@ -165,7 +164,7 @@ class _Drawn:
                 self._bar(axes, place, found[1], found[3], 2.4)
 
     def _bar(self, axes: Axes, place: float, low: float, high: float, width: float) -> None:
-        axes.plot([place, place], [low, high], color=self.colour, linewidth=width, alpha=0.7, transform=self._on(axes))
+        axes.plot([place, place], [low, high], color=self.colour, linewidth=width, alpha=0.7)
 
 
 def verdict(found: SweepSummary) -> str:
@@ -182,9 +181,8 @@ def verdict(found: SweepSummary) -> str:
 
 
 def _at(point: SweptPoint) -> str:
-    labels = labels_of(list(point.values))
-    where = ", ".join(f"{labels[field]} {said(value)}" for field, value in point.values.items())
-    return f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))}) at {where}"
+    share = f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))})"
+    return f"{share} at {valued(point, labels_of(list(point.values)))}"
 
 
 def write_sweep(folder: RunFolder, found: SweepSummary) -> Path:

@@ -206,6 +206,8 @@ def _median_of(name: str) -> Callable[[SweptPoint], float | None]:
 
 def said(value: Data) -> str:
     """A value of a field, in few letters."""
+    if isinstance(value, float):
+        return f"{value:.4g}"
     if is_a_number(value) or isinstance(value, bool):
         return as_yaml(value)
     return shortened(value if isinstance(value, str) else json.dumps(value, ensure_ascii=False), 40)
@@ -223,8 +225,13 @@ def labels_of(fields: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def points_table(found: SweepSummary) -> Table:
-    """What the trials of each point did."""
+def valued(point: SweptPoint, labels: Mapping[str, str], but: str | None = None) -> str:
+    """The values of a point, but for those of a field, in few letters."""
+    return ", ".join(f"{labels[field]} {said(value)}" for field, value in point.values.items() if field != but)
+
+
+def points_table(found: SweepSummary, *, briefly: bool = False) -> Table:
+    """What the trials of each point did; ``briefly``: no more than a terminal has room for."""
     labels = labels_of(list(found.fields))
     columns = (
         Column("point", COUNT),
@@ -243,7 +250,8 @@ def points_table(found: SweepSummary) -> Table:
         )
         for point in found.points
     )
-    return Table("Points: shares that converged, and medians", columns, rows, "ticks: of converged trials")
+    whole = Table("Points: shares that converged, and medians", columns, rows, "ticks: of converged trials")
+    return whole.first(len(columns) - len(SHOWN)) if briefly else whole
 
 
 def changes_tables(found: SweepSummary, *, briefly: bool = False) -> dict[str, Table]:
@@ -264,7 +272,7 @@ def changes_tables(found: SweepSummary, *, briefly: bool = False) -> dict[str, T
         rows = tuple(_change(change, found) for change in changes)
         title = f"Differences from {label}" if field is None else f"Differences with {label}, all else the same"
         whole = Table(title, columns, rows, "differences of shares and of medians, with 95 % intervals")
-        tables[field or ""] = whole.first(len(columns) - len(SHOWN) + 2) if briefly else whole
+        tables[field or ""] = whole.first(len(columns) - len(SHOWN) + 1) if briefly else whole
     return tables
 
 

@@ -18,7 +18,7 @@ MOST_POINTS = 1000
 ALIKE = ("graspdsl", "name", "about", "code", "sweep")  # what all points have the same
 OF_ALL = ("count", "seed", "keep", "wall_limit")  # of their trials, too
 LARGEST = 1e9  # of any unit, wider than the bounds of a field
-DIGITS = 12  # that steps between two numbers are rounded to
+DIGITS = 6  # that numbers are rounded to which are not written one by one
 
 End = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Point = Mapping[str, Data]  # the values of fields by their dotted paths
@@ -59,7 +59,12 @@ class Steps(Model):
     def values(self) -> list[Data]:
         """The numbers."""
         space = np.geomspace if self.scale == "log" else np.linspace
-        return [float(f"{value:.{DIGITS}g}") for value in space(self.low, self.high, self.count)]
+        return list(map(_rounded, space(self.low, self.high, self.count)))
+
+
+def _rounded(value: float) -> float:
+    """A number that can be read, and typed again."""
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _above_zero(low: float) -> None:
@@ -126,12 +131,12 @@ class Drawn(Model):
             chosen: Data = self.choice[int(random.integers(len(self.choice)))]
             return chosen
         if self.normal is not None:
-            return float(random.normal(*self.normal))
+            return _rounded(random.normal(*self.normal))
         if self.log_uniform is not None:
             low, high = map(math.log, self.log_uniform)
-            return math.exp(random.uniform(low, high))
+            return _rounded(math.exp(random.uniform(low, high)))
         assert self.uniform is not None
-        return float(random.uniform(*self.uniform))
+        return _rounded(random.uniform(*self.uniform))
 
 
 class RandomPoints(Model):
