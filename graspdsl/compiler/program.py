@@ -181,8 +181,8 @@ def examine(
         return examination
     found = []
     assert program.spec.sweep is not None
-    for number, (point, overrides) in enumerate(zip(program.spec.sweep.points(), program.points, strict=True)):
-        at = _examined(source._replace(overrides=overrides))
+    for number, (point, settings) in enumerate(zip(program.spec.sweep.points(), program.points, strict=True)):
+        at = _examined(source._replace(overrides=settings))
         if at.program is not None:
             program._at[number] = at.program
         missing = missing_engine(at.program) if at.program else None

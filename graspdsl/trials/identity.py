@@ -97,7 +97,8 @@ def check_origin(folder: RunFolder, program: Program, known_by: Mapping[int, str
     Raises DiagnosticError when they were not.
     """
     manifest, trials = folder.manifest, program.spec.trials
-    if (manifest.name, manifest.seed, manifest.asked) != (program.spec.name, trials.seed, program.trials):
+    made_from = manifest.name, manifest.seed, manifest.asked, manifest.points
+    if made_from != (program.spec.name, trials.seed, program.trials, program.points):
         raise DiagnosticError([other_origin()])
     here = versions(program)
     if manifest.versions.get("graspdsl") != here["graspdsl"] or not here.keys() <= manifest.versions.keys():
