@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from graspdsl.api.grasps import Residuals, ferrari_canny, force_closure, residuals
     from graspdsl.api.programs import SpecWarning, load, loads
     from graspdsl.api.runs import Columns, Run, open_run, resume, run
+    from graspdsl.api.sweeps import Sweep, open_sweep, resume_sweep, sweep
     from graspdsl.api.trajectories import Trajectory
     from graspdsl.compiler.program import Program
     from graspdsl.diagnostics import Diagnostic, DiagnosticError
@@ -60,6 +61,7 @@ __all__ = [
     "Residuals",
     "Run",
     "SpecWarning",
+    "Sweep",
     "Trajectory",
     "Turn",
     "WorkerEndedError",
@@ -70,11 +72,14 @@ __all__ = [
     "load",
     "loads",
     "open_run",
+    "open_sweep",
     "parse",
     "residuals",
     "resume",
+    "resume_sweep",
     "run",
     "sensed_truth",
+    "sweep",
 ]
 
 # By name, the module that a thing is from.
@@ -93,6 +98,7 @@ _HOMES = {
     "Residuals": "api.grasps",
     "Run": "api.runs",
     "SpecWarning": "api.programs",
+    "Sweep": "api.sweeps",
     "Trajectory": "api.trajectories",
     "Turn": "trials.control_loop",
     "WorkerEndedError": "trials.workers",
@@ -103,11 +109,14 @@ _HOMES = {
     "load": "api.programs",
     "loads": "api.programs",
     "open_run": "api.runs",
+    "open_sweep": "api.sweeps",
     "parse": "api.formulas",
     "residuals": "api.grasps",
     "resume": "api.runs",
+    "resume_sweep": "api.sweeps",
     "run": "api.runs",
     "sensed_truth": "trials.control_loop",
+    "sweep": "api.sweeps",
 }
 
 

@@ -20,11 +20,8 @@ _REPORT = (PAGE, f"{PAGE}.*.new", *(f"{FIGURES}/*.{kind}" for kind in ("svg", "p
 _PARTS = (
     *(MANIFEST, f"{MANIFEST}.*new", TABLE, f"{TABLE}-*", SPEC, *OF_A_MAP),
     *(f"{TRAJECTORIES}/{name}" for name in (f"*{SUFFIX}", f"*{SUFFIX}.new", OF_ONE_TRIAL)),
-    *(f"{FIGURES}/*.{kind}" for kind in ("svg", "png", "new")),
-    *(
-        f"{POINTS}/*/{name}"
-        for name in (PAGE, f"{PAGE}.*.new", *(f"{FIGURES}/*.{kind}" for kind in ("svg", "png", "new")))
-    ),
+    *_REPORT,
+    *(f"{POINTS}/*/{name}" for name in _REPORT),
 )
 
 
