@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 
 from graspdsl.arrays import Array
 from graspdsl.report.comparison import Comparison, comparison_tables, methods_of
-from graspdsl.report.drawing import ORIENTATIONS, SMALL, Drawing, over_orientations, panels_of
+from graspdsl.report.drawing import SMALL, Drawing, over_orientations, panels_of
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.sameness import said_of
-from graspdsl.report.statistics import Band, band, bandwidth, density
+from graspdsl.report.statistics import ORIENTATIONS, Band, band, bandwidth, density
 from graspdsl.report.summary import plain
 from graspdsl.report.templating import rendered
 from graspdsl.report.writing import prepare

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 from typing import Any, get_args, get_type_hints
@@ -15,7 +15,9 @@ from graspdsl.arrays import Array, Float32Array
 from graspdsl.compiler.program import Program
 from graspdsl.hands.descriptions import joint_units
 from graspdsl.report.claims import Claim
+from graspdsl.report.data_files import Columns
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.figure_data import FigureData, figure_tables
 from graspdsl.report.run_tables import page_tables, quality_tables, starts_tables
 from graspdsl.report.summary import At, Converged, Count, Medians, Stopped, Summary
 from graspdsl.report.tables import Format, Table, Value
@@ -26,17 +28,19 @@ from graspdsl.trials.trajectories import CHANNELS, CONTACTS, JOINTS
 from graspdsl.worlds.protocol import PARTIES
 
 TRIALS, TRAJECTORY = "trials", "trajectory"  # a row a trial; a row a tick of one trial
+ALL = "all"  # tables
 
-Columns = Mapping[str, Column]
 _RESIDUALS = {"force": "1", "force_squared": "1", "moment": "m", "moment_squared": "m²"}
 _COUNTED = {get_args(Count)[1]: "1"}
 _XYZ = ("x", "y", "z")
 _LOAD = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
-def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()) -> dict[str, Callable[[], Columns]]:
+def tables_of(
+    evidence: Evidence, summary: Summary, figures: Iterable[FigureData], claims: Sequence[Claim] = ()
+) -> dict[str, Callable[[], Columns]]:
     """What a report shows besides single trials, by name: ``summary``, its numbers one by one; the tables of its page
-    that have a row; ``courses``, the residuals that its curves are drawn from."""
+    that have a row; ``courses``, the residuals that its curves are made from; ``figure-…``, what its figures draw."""
     rejected, kept = [*starts_tables(summary), *[Table("", (), ())] * 2][:2]
     tables = {
         **page_tables(summary, claims),
@@ -48,7 +52,7 @@ def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()
     made |= {name: partial(columns_of_table, table) for name, table in tables.items() if table.rows}
     if any(len(course.time) for course in evidence.courses.values()):
         made["courses"] = partial(_courses, evidence)
-    return made
+    return made | figure_tables(figures)
 
 
 def columns_of_table(table: Table) -> dict[str, Column]:
