@@ -365,7 +365,9 @@ def export(
     form: Annotated[
         str | None,
         typer.Option(
-            "--format", metavar="csv|jsonl|parquet|npz", help="By default what the file's name ends with, csv of a folder."
+            "--format",
+            metavar="csv|jsonl|parquet|npz",
+            help="By default what the file's name ends with, of all csv.",
         ),
     ] = None,
     allow_code: AllowCode = False,

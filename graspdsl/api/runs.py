@@ -295,9 +295,9 @@ class Run:
     def export(self, path: Place, what: str = TRIALS, *, trial: int | None = None, form: str | None = None) -> Path:
         """Write one of its tables into a file, in the place of an earlier one; gives back where it is.
 
-        what: one of ``tables``, or ``trajectory``, of a ``trial``; or ``all``, every table as a file of its own, of
-        which ``path`` is the folder, new or empty. form: csv, jsonl, parquet or npz, by default what the name ends
-        with, csv of a folder. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
+        what: one of ``tables``, or ``trajectory``, of a ``trial``; or ``all``, every table as a file of its own in the
+        folder ``path``, which is new or empty. form: csv, jsonl, parquet or npz, by default what the name ends with,
+        of ``all`` csv. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
         those of :meth:`to_dataframe`; beside other files as JSON, ``trials.units.json``.
 
         Raises DiagnosticError where there is no such table, trial or format, or the file cannot be written; ValueError

@@ -56,25 +56,29 @@ def tables_of(
 
 
 def columns_of_table(table: Table) -> dict[str, Column]:
-    """A table as columns: numbers as they are, in the unit that a page has them in, shares from 0 to 1; intervals as
-    two columns, ``.low`` and ``.high``; as text what is no number in every row."""
+    """A table as columns: numbers as they are, in the unit that a page has them in, shares from 0 to 1; what has
+    several parts as a column each, of intervals ``.low`` and ``.high``; as text what is no number in every row. Where
+    the numbers of a column are in several units, a column ``unit`` has that of each row."""
     found: dict[str, Column] = {}
+    units_of_rows: dict[int, str] = {}
     for place, column in enumerate(table.columns):
         cells = [_cell(row[place], column.format) for row in table.rows]
-        known = [(form, value) for form, value in cells if form.sorts_by(value) is not None]
-        worded = any(form.sorts_by(value) is None and form.written(value) != NOTHING for form, value in cells)
-        if not worded and (known or not column.format.words):
-            units = {form.unit for form, _ in known} or {column.format.unit}
-            unit = (units.pop() or "1") if len(units) == 1 else ""
-            if known and all(form.ends for form, _ in known):
-                for end, name in enumerate(("low", "high")):
-                    values = [value[end] if form.sorts_by(value) is not None else None for form, value in cells]
-                    found[f"{column.label}.{name}"] = _numbers(values, unit)
-            else:
-                found[column.label] = _numbers([form.sorts_by(value) for form, value in cells], unit)
-        else:
+        numbers = [form.numbers(value) for form, value in cells]
+        units = {row: form.unit or "1" for row, (form, _) in enumerate(cells) if numbers[row]}
+        worded = any(form.written(value) != NOTHING for row, (form, value) in enumerate(cells) if not numbers[row])
+        if worded or (column.format.words and not units):
             texts = ["" if value is None else form.written(value) for form, value in cells]
             found[column.label] = Column(np.array(texts, dtype=np.str_), "")
+            continue
+        unit, *others = {*units.values()} or {column.format.unit or "1"}
+        if others:
+            units_of_rows |= units
+        for name in dict.fromkeys(name for row in numbers for name in row) or ("",):
+            label = f"{column.label}.{name}" if name else column.label
+            found[label] = _numbers([row.get(name) for row in numbers], "" if others else unit)
+    if units_of_rows:
+        texts = [units_of_rows.get(row, "") for row in range(len(table.rows))]
+        found["unit"] = Column(np.array(texts, dtype=np.str_), "")
     return found
 
 
@@ -120,7 +124,15 @@ def _numbers(values: Sequence[float | None], unit: str) -> Column:
 
 def _summary(summary: Summary) -> dict[str, Column]:
     """The numbers of a summary one by one, each where it stands in JSON, with its unit."""
-    found = [*_told(summary, "", "1")]
+    balance, conventions = summary.balance, summary.quality.conventions
+    found = [*_told(summary, "", "1"), *_told(summary.starts, "starts.", "1"), *_told(balance, "balance.", "1")]
+    if balance.acceleration and balance.alone:
+        found += _told(balance.acceleration, "balance.acceleration.", "m/s²")
+        found += _told(balance.alone.aside, "balance.without_table.aside.", "m/s²")
+        found += _told(balance.alone.falling, "balance.without_table.falling.", "m/s²")
+    if conventions:
+        found += [("quality.conventions.torque_scale", conventions.torque_scale, "m")]
+        found += [("quality.conventions.edges", conventions.edges, "1")]
     names, values, units = zip(*found, strict=True)
     return {
         "name": Column(np.array(names, dtype=np.str_), ""),

@@ -131,7 +131,8 @@ class ResidualCurves:
 
     def _columns(self) -> Columns:
         ticks = np.union1d(self.force.ticks, self.moment.ticks)
-        found = {"tick": Column(ticks, "1"), "running": Column(_over(ticks, self.force, self.force.running), "1")}
+        running = _over(ticks, self.force, self.force.running)
+        found = {"tick": Column(ticks.astype(np.int64), "1"), "running": Column(running, "1")}
         curves = (("force_residual", self.force, "1"), ("moment_residual", self.moment, "mm"))
         for (name, curve, unit), bound in zip(curves, self.bounds, strict=True):
             for what, values in (("mean", curve.mean), ("p10", curve.low), ("p90", curve.high)):
@@ -152,7 +153,7 @@ def _over(ticks: Array, curve: Band, values: Array) -> Array:
 class Convergence:
     """After how many ticks or probes (``tick``) trials converged, (n,) in ascending order, out of ``finished``."""
 
-    ticks: Array
+    ticks: Rows
     finished: int
     tick: str
     name: str = "convergence"
@@ -375,8 +376,9 @@ def _curves(evidence: Evidence, members: Sequence[int]) -> tuple[Band, Band] | N
 
 def _convergence(evidence: Evidence) -> Convergence | None:
     """How soon trials converged; None where none did."""
-    ticks = [record.ticks_to_converge for record in evidence.records if record.ticks_to_converge is not None]
-    return Convergence(np.sort(np.array(ticks, dtype=float)), len(evidence.records), tick_of(evidence)) if ticks else None
+    known = [record.ticks_to_converge for record in evidence.records]
+    ticks = np.array(sorted(count for count in known if count is not None))
+    return Convergence(ticks, len(evidence.records), tick_of(evidence)) if len(ticks) else None
 
 
 def _map(evidence: Evidence) -> StartMap | None:
