@@ -299,10 +299,11 @@ FigureData = Funnel | ResidualCurves | Convergence | StartMap | StartDraws | Dis
 
 def figures_of(evidence: Evidence, summary: Summary) -> list[FigureData]:
     """The figures of a run's page, those that have anything to show, in their order."""
+    converged = convergence_of(evidence)
     found: list[FigureData | None] = [
         funnel_of(evidence, summary),
         *_residuals(evidence, summary),
-        _convergence(evidence),
+        converged if len(converged.ticks) else None,
         _map(evidence),
         _starts(evidence, summary),
         _disturbances(evidence, summary.priorities),
@@ -374,11 +375,11 @@ def _curves(evidence: Evidence, members: Sequence[int]) -> tuple[Band, Band] | N
     return None if force is None or moment is None else (force, moment)
 
 
-def _convergence(evidence: Evidence) -> Convergence | None:
-    """How soon trials converged; None where none did."""
+def convergence_of(evidence: Evidence) -> Convergence:
+    """How soon trials converged."""
     known = [record.ticks_to_converge for record in evidence.records]
-    ticks = np.array(sorted(count for count in known if count is not None))
-    return Convergence(ticks, len(evidence.records), tick_of(evidence)) if len(ticks) else None
+    ticks = np.array(sorted(count for count in known if count is not None), dtype=np.intp)
+    return Convergence(ticks, len(evidence.records), tick_of(evidence))
 
 
 def _map(evidence: Evidence) -> StartMap | None:

@@ -71,7 +71,7 @@ def test_the_same_comparison_gives_the_same_files(runs: list[Evidence], tmp_path
     for name in ("a", "b"):
         write_comparison(tmp_path / name, runs, numbers)
     files = sorted(file.name for file in (tmp_path / "a").iterdir())
-    assert len(files) == 2 + 2 * len(FIGURES)
+    assert len(files) == 2 + 4 * len(FIGURES)
     for name in files:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
@@ -84,14 +84,14 @@ def test_tables_have_a_cell_for_each_run(runs: list[Evidence]) -> None:
 
 def test_figures_show_what_the_runs_did(runs: list[Evidence]) -> None:
     """Curves end where the numbers say: the share converged, the mean residual of the last rows."""
-    sides = [Side(f"run {place}", evidence) for place, evidence in enumerate(runs)]
+    sides = [Side.of(f"run {place}", evidence) for place, evidence in enumerate(runs)]
     curves = convergence_figure(sides).axes[0].get_lines()
     numbers = compared(runs).runs
     for curve, column in zip(curves, numbers, strict=True):
         assert np.asarray(curve.get_ydata())[-1] == pytest.approx(100.0 * (column.summary.converged.share or 0.0))
-    for curve, side in zip(residual_figure(sides).axes[0].get_lines(), sides[:2], strict=False):
-        ends = [record.force_residual_end for record in side.evidence.records]
-        starts = [course.force[0] for course in side.evidence.courses.values()]
+    for curve, evidence in zip(residual_figure(sides).axes[0].get_lines(), runs[:2], strict=False):
+        ends = [record.force_residual_end for record in evidence.records]
+        starts = [course.force[0] for course in evidence.courses.values()]
         drawn = np.asarray(curve.get_ydata())
         assert (drawn[0], drawn[-1]) == pytest.approx((np.mean(starts), np.mean(ends)), rel=1e-5)
     for curve in orientation_figure(sides).axes[0].get_lines()[:2]:
@@ -100,6 +100,6 @@ def test_figures_show_what_the_runs_did(runs: list[Evidence]) -> None:
 
 def test_runs_with_nothing_are_drawn(runs: list[Evidence]) -> None:
     """No finished trial at all: figures without curves, no complaint."""
-    side = Side("nothing", runs[2])
-    for draw, _ in FIGURES.values():
+    side = Side.of("nothing", runs[2])
+    for draw, *_ in FIGURES.values():
         assert len(draw([side, side]).axes) >= 1
