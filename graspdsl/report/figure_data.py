@@ -188,10 +188,14 @@ class StartMap:
         cells, labels = self.made.cells, np.full(len(self.made.cells.outcomes), "", dtype=object)
         for found in self.made.classes:
             labels[list(found.cells)] = found.label
-        across, up = np.meshgrid(cells.x.middles, cells.y.middles)
+        rows, columns = np.divmod(np.arange(len(labels)), cells.x.cells)
+        starts = {
+            f"{axis.parameter}{which}": Column(values[place], axis.unit)
+            for axis, place in ((cells.x, columns), (cells.y, rows))
+            for which, values in (("", axis.middles), (".low", axis.edges[:-1]), (".high", axis.edges[1:]))
+        }
         return {
-            cells.x.parameter: Column(across.ravel(), cells.x.unit),
-            cells.y.parameter: Column(up.ravel(), cells.y.unit),
+            **starts,
             "class": Column(labels.astype(np.str_), ""),
             "outcome": Column(np.array(cells.outcomes), ""),
             "orientation": Column(cells.orientation, "rad"),
@@ -388,7 +392,7 @@ def _map(evidence: Evidence) -> StartMap | None:
     cells = math.prod(axis.cells for axis in grid)
     if len(grid) != 2 or not len(evidence.records) == evidence.folder.manifest.asked == cells:
         return None
-    return StartMap(map_of_run(evidence.folder))
+    return StartMap(map_of_run(evidence.folder, evidence.program, evidence.records))
 
 
 def _starts(evidence: Evidence, summary: Summary) -> StartDraws | None:
