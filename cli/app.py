@@ -351,14 +351,14 @@ def export(
         typer.Option(
             parser=named,
             metavar="FILE",
-            help="A .csv, .jsonl, .parquet or .npz file; - is stdout. Of --what all, a folder.",
+            help="A .csv, .jsonl, .parquet or .npz file; - is stdout; with --what all a folder.",
         ),
     ] = Path("-"),
     what: Annotated[
         str,
         typer.Option(
             metavar="TABLE",
-            help="trials, trajectory, or what its report shows: summary, modes, figure-funnel, …; or all tables.",
+            help="trials, trajectory, what its report shows: summary, modes, figure-funnel, …; or all of it.",
         ),
     ] = "trials",
     trial: Annotated[int | None, typer.Option(min=0, help="Of which trial, of a trajectory.")] = None,
@@ -367,7 +367,7 @@ def export(
         typer.Option(
             "--format",
             metavar="csv|jsonl|parquet|npz",
-            help="By default what the file's name ends with, of all csv.",
+            help="By default what the file's name ends with; with --what all csv.",
         ),
     ] = None,
     allow_code: AllowCode = False,
