@@ -146,7 +146,7 @@ def _told(part: Any, within: str, unit: str) -> Iterator[tuple[str, float, str]]
         notes, value = get_args(kind)[1:] if hasattr(kind, "__metadata__") else (), getattr(part, name)
         place = within + next((str(note) for note in notes if isinstance(note, At)), name)
         said = next((note for note in notes if isinstance(note, str) and not isinstance(note, At)), "1")
-        own = unit if said.startswith("the residual") else _COUNTED.get(said, said)
+        own = unit if said.startswith(("the residual", "its unit")) else _COUNTED.get(said, said)
         if isinstance(value, Medians | Converged | Stopped):
             yield from _told(value, f"{place}.", _RESIDUALS.get(name, "1"))
         elif name == "outcomes":

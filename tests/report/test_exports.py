@@ -22,9 +22,10 @@ from typer.testing import CliRunner
 
 import graspdsl as g
 from graspdsl.cli.app import app
+from graspdsl.report.balance import Alone, Holding, Load, Spread
 from graspdsl.report.data_files import as_csv, as_jsonl, format_of
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.exports import columns_of_table
+from graspdsl.report.exports import columns_of_table, tables_of
 from graspdsl.report.figure_data import Convergence, FigureData, figure_tables, figures_of
 from graspdsl.report.figures import drawing_of
 from graspdsl.report.page import page
@@ -173,6 +174,23 @@ def test_all_that_a_figure_draws_is_in_its_tables(run: g.Run, by_hand: Evidence)
             # A share is drawn on to the end of its axis.
             assert len(missing) == isinstance(figure, Convergence), (figure.name, missing)
     assert kinds == {*get_args(FigureData)}
+
+
+def test_quantiles_and_spreads_are_numbers_with_units(by_hand: Evidence) -> None:
+    spread = Spread(0.1, 0.05, 0.2)
+    load = Load(spread, spread, spread)
+    held = Holding(3, "", {"contacts": load}, load, spread, Alone(spread, spread))
+    tables = tables_of(by_hand, dataclasses.replace(summarised(by_hand), balance=held), ())
+    starts, balance, summary = (tables[name]() for name in ("kept-starts", "balance", "summary"))
+    of = starts["number of a start"].values.tolist().index("yaw (rad)")
+    assert starts["unit"].values[of] == "rad"
+    assert [starts[f"asked for.{name}"].values[of] for name in ("p5", "p50", "p95")] == pytest.approx([0.25, 0.5, 0.75])
+    assert (balance["moment.p10"].values[0], balance["moment.p10"].unit) == (50.0, "mN·m")
+    told = {
+        name: (value, unit) for name, value, unit in zip(*(column.values for column in summary.values()), strict=True)
+    }
+    assert told["balance.without_table.falling.high"] == (0.2, "m/s²")
+    assert told["starts.draws"] == (52.0, "1")
 
 
 @pytest.mark.slow
