@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from html.parser import HTMLParser
 from typing import Any
 
@@ -49,7 +50,7 @@ def untold(page: str, document: Any) -> set[str]:
     per cent or in thousandths."""
     told, found = np.abs(_numbers(document)), set[str]()
     for cell in re.findall(r"<td[^>]*>(.*?)</td>", page, flags=re.S):
-        for word in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?:e-?\d+)?", re.sub(r"<[^>]*>", "", cell)):
+        for word in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?:e-?\d+)?", unescape(re.sub(r"<[^>]*>", "", cell))):
             digits, _, exponent = word.partition("e")
             last = 10.0 ** (int(exponent or 0) - len(digits.partition(".")[2]))
             if not any((np.abs(scale * told - float(word)) < 0.501 * last).any() for scale in (1.0, 1e2, 1e3)):
