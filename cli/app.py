@@ -353,19 +353,32 @@ def rm(
 def export(
     run: Annotated[Path, typer.Argument(parser=named, metavar="RUN", help="The folder of a run.")],
     to: Annotated[
-        Path, typer.Option(parser=named, metavar="FILE", help="A .csv, .jsonl, .parquet or .npz file; - is stdout.")
+        Path,
+        typer.Option(
+            parser=named,
+            metavar="FILE",
+            help="A .csv, .jsonl, .parquet or .npz file; - is stdout; with --what all a folder.",
+        ),
     ] = Path("-"),
     what: Annotated[
-        str, typer.Option(metavar="TABLE", help="trials, trajectory, or a table of its report: summary, modes, …")
+        str,
+        typer.Option(
+            metavar="TABLE",
+            help="trials, trajectory, what its report shows: summary, modes, figure-funnel, …; or all of it.",
+        ),
     ] = "trials",
     trial: Annotated[int | None, typer.Option(min=0, help="Of which trial, of a trajectory.")] = None,
     form: Annotated[
         str | None,
-        typer.Option("--format", metavar="csv|jsonl|parquet|npz", help="By default what the file's name ends with."),
+        typer.Option(
+            "--format",
+            metavar="csv|jsonl|parquet|npz",
+            help="By default what the file's name ends with; with --what all csv.",
+        ),
     ] = None,
     allow_code: AllowCode = False,
 ) -> None:
-    """Write a run's trials, a trajectory or a table of its report for other programs, with units."""
+    """Write a run's trials, a trajectory, or what a table or figure of its report shows, for other programs."""
     if (what == "trajectory") != (trial is not None):
         raise typer.BadParameter("a trajectory is of one trial: --what trajectory --trial N", param_hint="--trial")
     with answering():

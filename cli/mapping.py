@@ -143,7 +143,7 @@ def finish_map(run: Run, workers: Workers, as_json: bool) -> int:
     with keeping(run.path, *words):
         code = carried_on(run, workers, *words)
         if code == 0:
-            made = map_of_run(run.folder)
+            made = map_of_run(run.folder, run.program, run.folder.records())
             replace(run.path, _files(made))
             show_map(made, run.path, as_json)
     return code

@@ -20,9 +20,10 @@ from graspdsl.api.trajectories import Trajectory
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.report.claims import Claim, claims_of
-from graspdsl.report.data_files import NPZ, format_of, units_of, write_columns
+from graspdsl.report.data_files import CSV, NPZ, format_of, units_of, write_columns, write_tables
 from graspdsl.report.evidence import Evidence, evidence_of
-from graspdsl.report.exports import TRAJECTORY, TRIALS, columns_of_trajectory, tables_of
+from graspdsl.report.exports import ALL, TRAJECTORY, TRIALS, columns_of_trajectory, tables_of
+from graspdsl.report.figure_data import FigureData, figures_of
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, summarised
 from graspdsl.report.wording import counted
@@ -332,14 +333,20 @@ class Run:
     def export(self, path: Place, what: str = TRIALS, *, trial: int | None = None, form: str | None = None) -> Path:
         """Write one of its tables into a file, in the place of an earlier one; gives back where it is.
 
-        what: one of ``tables``, or ``trajectory``, of a ``trial``. form: csv, jsonl, parquet or npz, by default what
-        the name ends with. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
+        what: one of ``tables``, or ``trajectory``, of a ``trial``; or ``all``, every table as a file of its own in the
+        folder ``path``, which is new or empty. form: csv, jsonl, parquet or npz, by default what the name ends with,
+        of ``all`` csv. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
         those of :meth:`to_dataframe`; beside other files as JSON, ``trials.units.json``.
 
         Raises DiagnosticError where there is no such table, trial or format, or the file cannot be written; ValueError
         for a trial of a table, ImportError where parquet is asked for and pyarrow is not installed.
         """
         place = Path(path)
+        if what == ALL:
+            form = format_of(place, form or CSV)
+            tables = {name: self.columns_for(name, trial) for name in self.tables}
+            with reading(str(place)):
+                return write_tables(place, tables, form)
         form = format_of(place, form)
         columns = self.columns_for(what, trial)
         if trial is not None and form == NPZ:  # which has room for axes
@@ -367,24 +374,25 @@ class Run:
 
     @cached_property
     def _shown(self) -> Mapping[str, Callable[[], Mapping[str, Column]]]:
-        return tables_of(self.evidence, self.summary, self.claims)
+        return tables_of(self.evidence, self.summary, self._figures.values(), self.claims)
+
+    @cached_property
+    def _figures(self) -> Mapping[str, FigureData]:
+        return {figure.name: figure for figure in figures_of(self.evidence, self.summary)}
 
     @property
     def figures(self) -> list[str]:
         """The names of its figures."""
-        from graspdsl.report.page import drawings_of
-
-        return [drawing.name for drawing in drawings_of(self.evidence, self.summary)]
+        return [*self._figures]
 
     def figure(self, name: str) -> Figure:
         """A figure of its report, drawn anew. Raises DiagnosticError for a name that is not among ``figures``."""
-        from graspdsl.report.page import drawings_of
+        from graspdsl.report.figures import drawing_of
 
-        found = {drawing.name: drawing.figure for drawing in drawings_of(self.evidence, self.summary)}
-        if name not in found:
-            message, hint = f"this run has no figure {name!r}", known_names_hint(name, found, "figures")
+        if name not in self._figures:
+            message, hint = f"this run has no figure {name!r}", known_names_hint(name, self._figures, "figures")
             raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
-        return found[name]
+        return drawing_of(self._figures[name]).figure
 
     def report(self) -> Path:
         """Write its page, ``report.html``, and its figures into its folder; gives back where the page is.

@@ -91,6 +91,7 @@ class SameOutcome:
 
     ``apart``: outcomes of the others, first run's, second run's, with how many. ``converged``: of how many both trials
     did, the first alone, the second alone and neither; ``shift``: the difference of the two shares that converged.
+    ``least``: the share from which on runs agree.
     """
 
     pairs: int
@@ -101,6 +102,7 @@ class SameOutcome:
     converged: tuple[int, int, int, int]
     shift: Estimate | None
     judgement: Judgement
+    least: float = SAME_OUTCOME
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,10 +117,11 @@ class ModeInBoth:
 
 @dataclass(frozen=True, slots=True)
 class SameModes:
-    """The modes of the run that has more of them, in both."""
+    """The modes of the run that has more of them, in both; ``tolerance`` [rad]: up to where their peaks agree."""
 
     modes: tuple[ModeInBoth, ...]
     judgement: Judgement
+    tolerance: float = PEAKS_APART
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,8 +229,8 @@ def rows_of(found: Against) -> list[Row]:
     """What two runs have in common, a line each: outcomes, modes, then each of QUANTITIES."""
     outcome, modes = found.outcome, found.modes
     rows: list[Row] = [
-        ("same outcome", f"≥ {percent(SAME_OUTCOME)} of pairs", _said_outcome(outcome), outcome.judgement),
-        ("modes", f"peaks ± {PEAKS_APART:g} rad, shares alike", _said_modes(modes), modes.judgement),
+        ("same outcome", f"≥ {percent(outcome.least)} of pairs", _said_outcome(outcome), outcome.judgement),
+        ("modes", f"peaks ± {modes.tolerance:g} rad, shares alike", _said_modes(modes), modes.judgement),
     ]
     for name, quantity in QUANTITIES.items():
         one = found.quantities[name]

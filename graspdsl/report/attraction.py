@@ -19,7 +19,7 @@ from graspdsl.report.outcomes import Said, grouped
 from graspdsl.report.statistics import Interval, wilson
 from graspdsl.trials.maps import Axis, Cells, cells_of
 from graspdsl.trials.outcomes import Outcome
-from graspdsl.trials.runner import program_of_run
+from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.store import SPEC, RunFolder
 
 FILES = ("map.svg", "map.png", MAP_DATA)
@@ -73,10 +73,9 @@ class AttractionMap:
         return sum(outcome == Outcome.CONVERGED.value for outcome in self.cells.outcomes)
 
 
-def map_of_run(folder: RunFolder) -> AttractionMap:
-    """The map that a finished run on a grid is. Raises DiagnosticError when it is none, or cannot be read."""
-    program, manifest = program_of_run(folder), folder.manifest
-    cells = cells_of(program.spec, folder.records())
+def map_of_run(folder: RunFolder, program: Program, records: Sequence[TrialRecord]) -> AttractionMap:
+    """The map that a finished run of a program on a grid is. Raises DiagnosticError when it is none."""
+    manifest, cells = folder.manifest, cells_of(program.spec, records)
     settings = [setting for setting in manifest.settings if not setting.startswith("trials.grid=")]
     command = repeating(folder.whole / SPEC, cells, manifest.seed, settings, allow_code=folder.allow_code)
     return attraction_map(program, cells, manifest.seed, command)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -23,9 +23,9 @@ NOTICED = 1e-3  # of any unit; what is less is not told in numbers
 class Spread:
     """The median of some values and the percentiles 10 and 90."""
 
-    median: float
-    low: float
-    high: float
+    median: Annotated[float, "its unit"]
+    low: Annotated[float, "its unit"]
+    high: Annotated[float, "its unit"]
 
     @classmethod
     def of(cls, values: Array) -> Spread:

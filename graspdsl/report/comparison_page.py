@@ -18,14 +18,17 @@ from matplotlib.figure import Figure
 
 from graspdsl.arrays import Array
 from graspdsl.report.comparison import Comparison, comparison_tables, methods_of
-from graspdsl.report.drawing import ORIENTATIONS, SMALL, Drawing, over_orientations, panels_of
+from graspdsl.report.data_files import CSV, Columns, files_of
+from graspdsl.report.drawing import SMALL, Drawing, over_orientations, panels_of
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.figure_data import MILLIMETRES, Convergence, Density, convergence_of
 from graspdsl.report.palette import LIGHT, series
 from graspdsl.report.sameness import said_of
-from graspdsl.report.statistics import Band, band, bandwidth, density
+from graspdsl.report.statistics import ORIENTATIONS, Band, band
 from graspdsl.report.summary import plain
 from graspdsl.report.templating import rendered
 from graspdsl.report.writing import prepare
+from graspdsl.trials.columns import Column
 from graspdsl.trials.store import RunFolder
 
 LONGEST_LABEL = 70  # characters
@@ -37,22 +40,39 @@ DASHES: Sequence[tuple[int, Sequence[float]]] = ((0, ()), (0, (5, 2)), (0, (1.5,
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """One of the runs that are compared: what a legend calls it, and what is known of it."""
+    """What figures draw of one of the runs that are compared: what a legend calls it, the orientations in which trials
+    ``settled``, its residuals over time up to ``longest`` [s], ‖ρ_f‖ (1) and ‖ρ_m‖ [mm], None where none was measured,
+    and how soon trials ``converged``."""
 
     label: str
-    evidence: Evidence
+    settled: Density
+    longest: float
+    force: Band | None
+    moment: Band | None
+    converged: Convergence
+
+    @classmethod
+    def of(cls, label: str, evidence: Evidence) -> Side:
+        """Of what is known of a run."""
+        touching = filter(evidence.touching, evidence.records)
+        ends = np.array([record.orientation_end for record in touching if record.outcome.settled], dtype=float)
+        longest = _longest(evidence)
+        force, moment = (_band(evidence, *of, longest) for of in (("force", 1.0), ("moment", MILLIMETRES)))
+        return cls(label, Density(ends[np.isfinite(ends)]), longest, force, moment, convergence_of(evidence))
+
+    def times(self, curve: Band) -> Array:
+        """When a residual has the values of a curve [s]."""
+        return curve.ticks * self.longest / (STEPS - 1)
 
 
 def orientation_figure(sides: Sequence[Side]) -> Figure:
     """Densities of the orientations in which trials settled, one over the other."""
     figure, (axes,) = panels_of(2.9, (1.0,))
     for place, side in enumerate(sides):
-        touching = filter(side.evidence.touching, side.evidence.records)
-        ends = np.array([record.orientation_end for record in touching if record.outcome.settled], dtype=float)
-        known = ends[np.isfinite(ends)]
-        heights = density(known, ORIENTATIONS, bandwidth(known)) if len(known) else np.full_like(ORIENTATIONS, math.nan)
-        _line(axes, place, ORIENTATIONS, heights, f"{side.label}, {len(known)} settled")
-        if len(known):
+        heights, count = side.settled.heights, len(side.settled.values)
+        drawn = heights if count else np.full_like(ORIENTATIONS, math.nan)
+        _line(axes, place, ORIENTATIONS, drawn, f"{side.label}, {count} settled")
+        if count:
             axes.fill_between(ORIENTATIONS, heights, color=LIGHT[series(place)], alpha=0.10, linewidth=0)
     axes.set_ylim(0.0, None)
     axes.set_ylabel("density (1/rad)")
@@ -67,18 +87,15 @@ def residual_figure(sides: Sequence[Side]) -> Figure:
     A trial that has ended keeps its last residuals. ‖ρ_f‖ above (1), ‖ρ_m‖ below [mm].
     """
     figure, (above, below) = panels_of(4.6, (1.0, 1.0))
-    longest = [_longest(side.evidence) for side in sides]
-    known = [length for length in longest if length > 0.0]
-    for place, (side, length) in enumerate(zip(sides, longest, strict=True)):
-        for axes, name, scale in ((above, "force", 1.0), (below, "moment", 1000.0)):
-            found = _band(side.evidence, name, length)
+    known = [side.longest for side in sides if side.longest > 0.0]
+    for place, side in enumerate(sides):
+        for axes, found in ((above, side.force), (below, side.moment)):
             if found is None:
                 _line(axes, place, np.zeros(0), np.zeros(0), f"{side.label}, no trial")
                 continue
-            times = found.ticks * length / (STEPS - 1)
             colour = LIGHT[series(place)]
-            axes.fill_between(times, scale * found.low, scale * found.high, color=colour, alpha=0.12, linewidth=0)
-            _line(axes, place, times, scale * found.mean, f"{side.label}, {int(found.running[0])} trials")
+            axes.fill_between(side.times(found), found.low, found.high, color=colour, alpha=0.12, linewidth=0)
+            _line(axes, place, side.times(found), found.mean, f"{side.label}, {int(found.running[0])} trials")
     if known and max(known) > FAR * min(known):
         below.set_xscale("symlog", linthresh=min(known) / 10, linscale=0.5)
     below.set_xlim(0.0, max(known, default=1.0))
@@ -94,14 +111,13 @@ def residual_figure(sides: Sequence[Side]) -> Figure:
 def convergence_figure(sides: Sequence[Side]) -> Figure:
     """The share of each run's finished trials that have converged within so many ticks or probes."""
     figure, (axes,) = panels_of(2.9, (1.0,))
-    found = [_ticks(side.evidence) for side in sides]
-    latest = [float(ticks[-1]) for ticks in found if len(ticks)]
+    latest = [float(side.converged.ticks[-1]) for side in sides if len(side.converged.ticks)]
     end = 1.05 * max(latest, default=1.0)
-    for place, (side, ticks) in enumerate(zip(sides, found, strict=True)):
-        finished = len(side.evidence.records)
+    for place, side in enumerate(sides):
+        ticks, shares = side.converged.ticks, side.converged.shares
         at = np.concatenate([[0.0], ticks, [end]])
-        share = 100.0 * np.concatenate([[0.0], np.arange(1, len(ticks) + 1), [len(ticks)]]) / max(1, finished)
-        _line(axes, place, at, share, f"{side.label}, {len(ticks)} of {finished}", steps=True)
+        share = 100.0 * np.concatenate([[0.0], shares, shares[-1:] if len(shares) else [0.0]])
+        _line(axes, place, at, share, f"{side.label}, {len(ticks)} of {side.converged.finished}", steps=True)
     if latest and max(latest) > FAR * max(1.0, min(latest)):
         axes.set_xscale("symlog", linthresh=max(1.0, min(latest) / 10), linscale=0.5)
     axes.set_xlim(0.0, end)
@@ -113,23 +129,62 @@ def convergence_figure(sides: Sequence[Side]) -> Figure:
     return figure
 
 
-def _ticks(evidence: Evidence) -> Array:
-    found = [record.ticks_to_converge for record in evidence.records]
-    return np.array(sorted(ticks for ticks in found if ticks is not None), dtype=float)
+def orientation_columns(side: Side) -> Columns:
+    """The density of one run."""
+    heights = side.settled.heights
+    return {
+        "orientation": Column(ORIENTATIONS[: len(heights)], "rad"),
+        "density": Column(heights, "1/rad"),
+        "bandwidth": Column(np.full(len(heights), side.settled.width), "rad"),
+    }
+
+
+def residual_columns(side: Side) -> Columns:
+    """The curves of one run."""
+    known = side.force or side.moment
+    found = {"time": Column(side.times(known) if known else np.zeros(0), "s")}
+    for name, unit, curve in (("force", "1", side.force), ("moment", "mm", side.moment)):
+        for what, values in zip(("mean", "p10", "p90"), _curves(curve, len(found["time"].values)), strict=True):
+            found[f"{name}_residual.{what}"] = Column(values, unit)
+    return found
+
+
+def _curves(found: Band | None, count: int) -> tuple[Array, Array, Array]:
+    nothing = np.full(count, math.nan)
+    return (found.mean, found.low, found.high) if found else (nothing, nothing, nothing)
+
+
+def convergence_columns(side: Side) -> Columns:
+    """The steps of one run."""
+    return {"tick": Column(side.converged.ticks, "1"), "share": Column(side.converged.shares, "1")}
+
+
+def _one_below_the_other(sides: Sequence[Side], of: Callable[[Side], Columns]) -> Columns:
+    """The columns of each run, with the number of the run and what a legend calls it."""
+    parts = [of(side) for side in sides]
+    rows = [len(next(iter(part.values())).values) for part in parts]
+    return {
+        "run": Column(np.repeat(np.arange(1, len(sides) + 1), rows), "1"),
+        "label": Column(np.repeat([side.label for side in sides], rows), ""),
+        **{
+            name: Column(np.concatenate([part[name].values for part in parts]), column.unit)
+            for name, column in parts[0].items()
+        },
+    }
 
 
 def _longest(evidence: Evidence) -> float:
     return max((float(course.time[-1]) for course in evidence.courses.values() if len(course.time)), default=0.0)
 
 
-def _band(evidence: Evidence, name: str, longest: float) -> Band | None:
-    """The band of a residual, its ticks STEPS points in time from 0 to ``longest`` [s]."""
+def _band(evidence: Evidence, name: str, scale: float, longest: float) -> Band | None:
+    """The band of a residual, scaled, its ticks STEPS points in time from 0 to ``longest`` [s]."""
     times = np.linspace(0.0, longest, STEPS)
     courses = []
     for course in evidence.courses.values():
         if len(course.time):
             latest = np.searchsorted(course.time, times, side="right") - 1
-            courses.append(np.asarray(getattr(course, name)[latest], dtype=float))
+            courses.append(scale * np.asarray(getattr(course, name)[latest], dtype=float))
     return band(courses)
 
 
@@ -154,19 +209,22 @@ def _legend(figure: Figure, axes: Axes) -> None:
         text.set_parse_math(False)
 
 
-FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
+FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], Callable[[Side], Columns], str]] = {
     "orientation": (
         orientation_figure,
+        orientation_columns,
         "Densities of the orientation of grasps at the end of each run's trials, over those that settled with all "
         "contacts touching.",
     ),
     "residuals": (
         residual_figure,
+        residual_columns,
         "Residuals since the controller took over: the mean over trials, and the band from their 10th to their 90th "
         "percentile. A trial that has ended keeps its last residuals; a curve ends with its run's longest trial.",
     ),
     "convergence": (
         convergence_figure,
+        convergence_columns,
         "The share of each run's finished trials that have converged within so many ticks, or probes where contacts "
         "are displaced by probing.",
     ),
@@ -174,15 +232,16 @@ FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], str]] = {
 
 
 def write_comparison(place: Path, evidences: Sequence[Evidence], found: Comparison) -> None:
-    """Write the figures, the numbers and the page of a comparison into an empty or new folder.
+    """Write the figures and what they draw, the numbers and the page of a comparison into an empty or new folder.
 
     Raises DiagnosticError where it cannot.
     """
-    sides = [Side(_label(number, evidence.folder), evidence) for number, evidence in enumerate(evidences, 1)]
+    sides = [Side.of(_label(number, evidence.folder), evidence) for number, evidence in enumerate(evidences, 1)]
     files: dict[str, str | bytes] = {NUMBERS: json.dumps(plain(found), indent=2, allow_nan=False) + "\n"}
-    drawings = [Drawing(name, draw(sides), caption) for name, (draw, caption) in FIGURES.items()]
-    for drawing in drawings:
-        files |= drawing.files()
+    drawings = []
+    for name, (draw, columns, caption) in FIGURES.items():
+        drawings.append(Drawing(name, draw(sides), caption))
+        files |= drawings[-1].files() | files_of(f"{name}.{CSV}", _one_below_the_other(sides, columns), CSV)
     files[PAGE] = page(found, drawings)
     prepare(place, files)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, listed
-from graspdsl.report.writing import replace
+from graspdsl.report.writing import prepare, replace
 from graspdsl.trials.columns import Column
 
 Columns = Mapping[str, Column]
@@ -36,17 +36,34 @@ def format_of(path: Path, said: str | None = None) -> str:
 
 
 def write_columns(path: Path, columns: Columns, form: str) -> Path:
-    """Write columns into a file in the place of an earlier one. The units are in parquet's own metadata; of the other
-    formats, which have none that readers know, in a JSON file beside it: ``trials.units.json`` of ``trials.csv``.
+    """Write columns into a file in the place of an earlier one, with their units: see :func:`files_of`.
 
     Raises DiagnosticError where it cannot be written, ImportError where the format needs what is not installed.
     """
-    files: dict[str, str | bytes] = {path.name: FORMATS[form](columns)}
+    replace(path.parent, files_of(path.name, columns, form))
+    return path
+
+
+def write_tables(folder: Path, tables: Mapping[str, Columns], form: str) -> Path:
+    """Write tables into a new or empty folder, a file each. Raises as :func:`write_columns`."""
+    files: dict[str, str | bytes] = {}
+    for name, columns in tables.items():
+        files |= files_of(f"{name}.{form}", columns, form)
+    prepare(folder, files)
+    return folder
+
+
+def files_of(name: str, columns: Columns, form: str) -> dict[str, str | bytes]:
+    """Columns as a file of this name. The units are in parquet's own metadata; of the other formats, which have none
+    that readers know, in a JSON file beside it: ``trials.units.json`` of ``trials.csv``.
+
+    Raises ImportError where the format needs what is not installed.
+    """
+    files: dict[str, str | bytes] = {name: FORMATS[form](columns)}
     if form != PARQUET:
         units = json.dumps(units_of(columns), ensure_ascii=False, indent=2)
-        files[path.with_suffix(".units.json").name] = f"{units}\n"
-    replace(path.parent, files)
-    return path
+        files[Path(name).with_suffix(".units.json").name] = f"{units}\n"
+    return files
 
 
 def units_of(columns: Columns) -> dict[str, str]:

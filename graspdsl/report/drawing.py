@@ -15,7 +15,6 @@ from functools import cached_property
 from typing import Any
 
 import matplotlib
-import numpy as np
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -29,7 +28,6 @@ from graspdsl.report.statistics import RIGHT_ANGLE
 RESOLUTION = 200  # dots per inch
 WIDTH = 5.4  # in
 SMALL, MEDIUM = 8.0, 8.8  # pt
-ORIENTATIONS = np.linspace(0.0, RIGHT_ANGLE, 257)  # that a density is drawn through
 TURNS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, RIGHT_ANGLE)
 _BY_COLOUR = {colour: name for name, colour in LIGHT.items()}
 

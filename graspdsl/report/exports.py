@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 from typing import Any, get_args, get_type_hints
@@ -15,7 +15,9 @@ from graspdsl.arrays import Array, Float32Array
 from graspdsl.compiler.program import Program
 from graspdsl.hands.descriptions import joint_units
 from graspdsl.report.claims import Claim
+from graspdsl.report.data_files import Columns
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.figure_data import FigureData, figure_tables
 from graspdsl.report.run_tables import page_tables, quality_tables, starts_tables
 from graspdsl.report.summary import At, Converged, Count, Medians, Stopped, Summary
 from graspdsl.report.tables import Format, Table, Value
@@ -26,17 +28,19 @@ from graspdsl.trials.trajectories import CHANNELS, CONTACTS, JOINTS
 from graspdsl.worlds.protocol import PARTIES
 
 TRIALS, TRAJECTORY = "trials", "trajectory"  # a row a trial; a row a tick of one trial
+ALL = "all"  # tables
 
-Columns = Mapping[str, Column]
 _RESIDUALS = {"force": "1", "force_squared": "1", "moment": "m", "moment_squared": "m²"}
 _COUNTED = {get_args(Count)[1]: "1"}
 _XYZ = ("x", "y", "z")
 _LOAD = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
-def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()) -> dict[str, Callable[[], Columns]]:
+def tables_of(
+    evidence: Evidence, summary: Summary, figures: Iterable[FigureData], claims: Sequence[Claim] = ()
+) -> dict[str, Callable[[], Columns]]:
     """What a report shows besides single trials, by name: ``summary``, its numbers one by one; the tables of its page
-    that have a row; ``courses``, the residuals that its curves are drawn from."""
+    that have a row; ``courses``, the residuals that its curves are made from; ``figure-…``, what its figures draw."""
     rejected, kept = [*starts_tables(summary), *[Table("", (), ())] * 2][:2]
     tables = {
         **page_tables(summary, claims),
@@ -48,29 +52,33 @@ def tables_of(evidence: Evidence, summary: Summary, claims: Sequence[Claim] = ()
     made |= {name: partial(columns_of_table, table) for name, table in tables.items() if table.rows}
     if any(len(course.time) for course in evidence.courses.values()):
         made["courses"] = partial(_courses, evidence)
-    return made
+    return made | figure_tables(figures)
 
 
 def columns_of_table(table: Table) -> dict[str, Column]:
-    """A table as columns: numbers as they are, in the unit that a page has them in, shares from 0 to 1; intervals as
-    two columns, ``.low`` and ``.high``; as text what is no number in every row."""
+    """A table as columns: numbers as they are, in the unit that a page has them in, shares from 0 to 1; what has
+    several parts as a column each, of intervals ``.low`` and ``.high``; as text what is no number in every row. Where
+    the numbers of a column are in several units, a column ``unit`` has that of each row."""
     found: dict[str, Column] = {}
+    units_of_rows: dict[int, str] = {}
     for place, column in enumerate(table.columns):
         cells = [_cell(row[place], column.format) for row in table.rows]
-        known = [(form, value) for form, value in cells if form.sorts_by(value) is not None]
-        worded = any(form.sorts_by(value) is None and form.written(value) != NOTHING for form, value in cells)
-        if not worded and (known or not column.format.words):
-            units = {form.unit for form, _ in known} or {column.format.unit}
-            unit = (units.pop() or "1") if len(units) == 1 else ""
-            if known and all(form.ends for form, _ in known):
-                for end, name in enumerate(("low", "high")):
-                    values = [value[end] if form.sorts_by(value) is not None else None for form, value in cells]
-                    found[f"{column.label}.{name}"] = _numbers(values, unit)
-            else:
-                found[column.label] = _numbers([form.sorts_by(value) for form, value in cells], unit)
-        else:
+        numbers = [form.numbers(value) for form, value in cells]
+        units = {row: form.unit or "1" for row, (form, _) in enumerate(cells) if numbers[row]}
+        worded = any(form.written(value) != NOTHING for row, (form, value) in enumerate(cells) if not numbers[row])
+        if worded or (column.format.words and not units):
             texts = ["" if value is None else form.written(value) for form, value in cells]
             found[column.label] = Column(np.array(texts, dtype=np.str_), "")
+            continue
+        unit, *others = {*units.values()} or {column.format.unit or "1"}
+        if others:
+            units_of_rows |= units
+        for name in dict.fromkeys(name for row in numbers for name in row) or ("",):
+            label = f"{column.label}.{name}" if name else column.label
+            found[label] = _numbers([row.get(name) for row in numbers], "" if others else unit)
+    if units_of_rows:
+        texts = [units_of_rows.get(row, "") for row in range(len(table.rows))]
+        found["unit"] = Column(np.array(texts, dtype=np.str_), "")
     return found
 
 
@@ -116,7 +124,15 @@ def _numbers(values: Sequence[float | None], unit: str) -> Column:
 
 def _summary(summary: Summary) -> dict[str, Column]:
     """The numbers of a summary one by one, each where it stands in JSON, with its unit."""
-    found = [*_told(summary, "", "1")]
+    balance, conventions = summary.balance, summary.quality.conventions
+    found = [*_told(summary, "", "1"), *_told(summary.starts, "starts.", "1"), *_told(balance, "balance.", "1")]
+    if balance.acceleration and balance.alone:
+        found += _told(balance.acceleration, "balance.acceleration.", "m/s²")
+        found += _told(balance.alone.aside, "balance.without_table.aside.", "m/s²")
+        found += _told(balance.alone.falling, "balance.without_table.falling.", "m/s²")
+    if conventions:
+        found += [("quality.conventions.torque_scale", conventions.torque_scale, "m")]
+        found += [("quality.conventions.edges", conventions.edges, "1")]
     names, values, units = zip(*found, strict=True)
     return {
         "name": Column(np.array(names, dtype=np.str_), ""),
@@ -130,7 +146,7 @@ def _told(part: Any, within: str, unit: str) -> Iterator[tuple[str, float, str]]
         notes, value = get_args(kind)[1:] if hasattr(kind, "__metadata__") else (), getattr(part, name)
         place = within + next((str(note) for note in notes if isinstance(note, At)), name)
         said = next((note for note in notes if isinstance(note, str) and not isinstance(note, At)), "1")
-        own = unit if said.startswith("the residual") else _COUNTED.get(said, said)
+        own = unit if said.startswith(("the residual", "its unit")) else _COUNTED.get(said, said)
         if isinstance(value, Medians | Converged | Stopped):
             yield from _told(value, f"{place}.", _RESIDUALS.get(name, "1"))
         elif name == "outcomes":

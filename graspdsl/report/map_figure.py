@@ -107,7 +107,8 @@ def _classes(axes: Axes, made: AttractionMap) -> None:
         place[list(found.cells)] = index
     styles = [style_of(found) for found in made.classes]
     axes.pcolormesh(
-        *_edges(cells),
+        cells.x.edges,
+        cells.y.edges,
         place.reshape(cells.y.cells, cells.x.cells),
         cmap=ListedColormap([colour for colour, _ in styles]),
         vmin=-0.5,
@@ -156,7 +157,8 @@ def _ticks(figure: Figure, axes: Axes, made: AttractionMap) -> None:
     cells = made.cells
     axes.set_facecolor(LIGHT["faint"])
     mesh = axes.pcolormesh(
-        *_edges(cells),
+        cells.x.edges,
+        cells.y.edges,
         np.ma.masked_invalid(cells.ticks.reshape(cells.y.cells, cells.x.cells)),
         cmap="cividis",
         rasterized=len(cells.ticks) > MOST_PATHS,
@@ -167,13 +169,8 @@ def _ticks(figure: Figure, axes: Axes, made: AttractionMap) -> None:
     axes.set_title(f"{made.tick} to converge", loc="left", fontsize=MEDIUM, color=LIGHT["ink"])
 
 
-def _edges(cells: Cells) -> tuple[Array, Array]:
-    across, up = (np.linspace(axis.low, axis.high, axis.cells + 1) for axis in (cells.x, cells.y))
-    return across, up
-
-
 def _corners(cells: Cells, chosen: Sequence[int]) -> list[Array]:
-    across, up = _edges(cells)
+    across, up = cells.x.edges, cells.y.edges
     shapes = []
     for cell in chosen:
         row, column = divmod(cell, cells.x.cells)

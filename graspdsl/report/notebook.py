@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 
 from graspdsl.report.evidence import Evidence
+from graspdsl.report.figure_data import funnel_of
 from graspdsl.report.figures import drawn_funnel
 from graspdsl.report.page import notes, verdict
 from graspdsl.report.run_tables import outcomes_table
@@ -19,7 +20,7 @@ def cell(evidence: Evidence, summary: Summary) -> str:
 
     Its figure is a picture by itself, so that the ids of two cells do not meet.
     """
-    funnel = drawn_funnel(evidence, summary)
+    funnel = funnel_of(evidence, summary)
     return rendered(
         "notebook.html",
         summary=summary,
@@ -27,7 +28,7 @@ def cell(evidence: Evidence, summary: Summary) -> str:
         notes=notes(evidence, summary),
         outcomes=outcomes_table(summary).first(BRIEF),
         place=_place,
-        funnel=_address(funnel.file) if funnel else "",
+        funnel=_address(drawn_funnel(funnel).file) if funnel else "",
     )
 
 

@@ -12,17 +12,10 @@ from types import MappingProxyType
 from graspdsl.report.claims import Claim
 from graspdsl.report.drawing import Drawing
 from graspdsl.report.evidence import Evidence
-from graspdsl.report.figures import (
-    drawn_convergence,
-    drawn_funnel,
-    drawn_map,
-    drawn_residuals,
-    drawn_starts,
-    tick_of,
-)
+from graspdsl.report.figure_data import figures_of, tick_of
+from graspdsl.report.figures import drawing_of
 from graspdsl.report.modes import LEVEL
 from graspdsl.report.outcomes import representatives
-from graspdsl.report.priorities_figure import drawn_priorities
 from graspdsl.report.run_tables import (
     WHOLE,
     page_tables,
@@ -62,15 +55,7 @@ def write_report(
 
 def drawings_of(evidence: Evidence, summary: Summary) -> list[Drawing]:
     """The figures of a run's page."""
-    found = [
-        drawn_funnel(evidence, summary),
-        *drawn_residuals(evidence, summary),
-        drawn_convergence(evidence),
-        drawn_map(evidence),
-        drawn_starts(evidence, summary),
-        drawn_priorities(evidence, summary.priorities),
-    ]
-    return [drawing for drawing in found if drawing is not None]
+    return [drawing_of(figure) for figure in figures_of(evidence, summary)]
 
 
 def page(

@@ -13,7 +13,7 @@ from graspdsl.compiler.known import protection, summed_plainly
 from graspdsl.compiler.pipeline import Priority
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import median
-from graspdsl.report.tables import COUNT, Column, Format, Table, Value, scaled
+from graspdsl.report.tables import COUNT, Column, Format, Table, Value, fixed, scaled
 from graspdsl.trials.priorities import Largest, level_names
 
 ROUNDING = 1e-9  # of any unit
@@ -160,7 +160,8 @@ def priorities_table(found: Priorities) -> Table:
             kind,
             *(Value(size, worst.format) for size in (worst.median, worst.largest)),
             worst.format.unit,
-            f"trial {worst.trial}, {worst.time:.1f} s",
+            worst.trial,
+            worst.time,
             worst.cause,
             level.rank,
         )
@@ -176,7 +177,8 @@ def priorities_table(found: Priorities) -> Table:
         Column("disturbance"),
         *(Column(name, scaled(".2g")) for name in numbers),
         Column("unit"),
-        Column("when"),
+        Column("in trial", COUNT),
+        Column("after", fixed(1, "s")),
         Column("mostly by"),
         Column("null space, rank", COUNT),
     )

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 from graspdsl.report.balance import Holding
 from graspdsl.report.claims import Claim
 from graspdsl.report.modes import LEVEL
 from graspdsl.report.priorities import priorities_table
 from graspdsl.report.quality import Confusion, Conventions, GradeSummary, Quality
-from graspdsl.report.start_selection import StartNumber
 from graspdsl.report.statistics import FEWEST
 from graspdsl.report.summary import ModeSummary, Summary
 from graspdsl.report.tables import (
     COUNT,
+    ENDS,
     INTERVAL,
     MILLIMETRES,
     REASONS,
@@ -32,7 +33,7 @@ from graspdsl.report.tables import (
     squared,
     trials_named,
 )
-from graspdsl.report.wording import STOPPED, counted, percent, percents, quantiles
+from graspdsl.report.wording import STOPPED, counted, percent, percents
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -271,6 +272,11 @@ def _middle(digits: int, unit: str, scale: float = 1.0) -> Format:
         lambda found: f"{round(scale * found.median, digits) + 0.0:.{digits}f}",
         lambda found: scale * found.median,
         unit,
+        parts=(
+            ("median", lambda found: scale * found.median),
+            ("p10", lambda found: scale * found.low),
+            ("p90", lambda found: scale * found.high),
+        ),
     )
 
 
@@ -286,7 +292,7 @@ def _disturbances(summary: Summary) -> Iterator[tuple[str, object, object, Forma
 
 
 def _span(unit: str, form: str = ".2f") -> Format:
-    return Format(lambda ends: f"{ends[0]:{form}} … {ends[1]:{form}}", lambda ends: float(ends[0]), unit, ends=True)
+    return Format(lambda ends: f"{ends[0]:{form}} … {ends[1]:{form}}", lambda ends: float(ends[0]), unit, parts=ENDS)
 
 
 def _range(values: Sequence[float | None]) -> tuple[float, float] | None:
@@ -306,7 +312,11 @@ def starts_tables(summary: Summary) -> list[Table]:
         replace(
             kept,
             title="Starts, asked for and kept",
-            columns=tuple(Column(label) for label in ("number of a start", "asked for", "kept")),
+            columns=(Column("number of a start"), Column("asked for", TEXT), Column("kept", TEXT)),
+            rows=tuple(
+                (_with_unit(name, found.unit), *row[1:])
+                for (name, found), row in zip(summary.starts.parameters.items(), kept.rows, strict=True)
+            ),
             note="Quantiles: 5 %, 50 % and 95 %.",
         ),
     ]
@@ -327,12 +337,21 @@ _OF_DRAWS = Format(lambda pair: percent(pair[0] / pair[1]), lambda pair: pair[0]
 def kept_table(summary: Summary) -> Table:
     """The quantiles of starts, asked for and kept."""
 
-    def row(name: str, found: StartNumber) -> tuple[str, str, str]:
-        return name, quantiles(found.asked, found.unit), quantiles(found.kept, found.unit)
-
-    rows = tuple(row(name, found) for name, found in summary.starts.parameters.items())
+    rows = tuple(
+        (name, *(Value(values, _quantiles(found.unit)) for values in (found.asked, found.kept)))
+        for name, found in summary.starts.parameters.items()
+    )
     columns = (Column(""), Column("asked", TEXT), Column("kept", TEXT))
     return Table("Starts, asked for and kept: 5 %, 50 % and 95 % quantiles", columns, rows)
+
+
+def _quantiles(unit: str) -> Format:
+    return Format(
+        lambda values: "  ".join(f"{value:.3g}" for value in values),
+        itemgetter(1),
+        unit,
+        parts=(("p5", itemgetter(0)), ("p50", itemgetter(1)), ("p95", itemgetter(2))),
+    )
 
 
 def sensing_table(summary: Summary) -> Table:
@@ -377,8 +396,8 @@ def _measures(found: GradeSummary) -> Table:
     rows = tuple(
         (
             _with_unit(one.label, one.unit),
-            Value(medians[one.key].median, scaled(one.form)),
-            Value(medians[one.key].range, _span("", one.form)),
+            Value(medians[one.key].median, scaled(one.form, one.unit)),
+            Value(medians[one.key].range, _span(one.unit, one.form)),
             medians[one.key].of,
         )
         for one in grade.quantities

@@ -18,6 +18,7 @@ import numpy as np
 from graspdsl.arrays import Array, Flags
 
 RIGHT_ANGLE = math.pi / 2
+ORIENTATIONS = np.linspace(0.0, RIGHT_ANGLE, 257)  # rad, that a density is drawn through
 LEAST_BANDWIDTH = 0.05  # rad; what the chapter's figures still resolve
 LOW, HIGH = 10.0, 90.0  # percentiles
 MOST_TICKS = 400  # that a curve is drawn through

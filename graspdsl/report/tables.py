@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 from graspdsl.report.wording import NOTHING, percent, percents
@@ -20,14 +21,15 @@ MOST_NAMED = 12  # trials that are named one by one
 class Format:
     """How values are written: their text, their unit, and the number they sort by, None for words.
 
-    What is missing, None or NaN, is a dash. ``words`` are set to the left. ``ends``: whether values are intervals.
+    What is missing, None or NaN, is a dash. ``words`` are set to the left. ``parts``: the numbers, by name, of values
+    that are several, such as the ends of an interval.
     """
 
     text: Callable[[Any], str]
     key: Callable[[Any], float | None] = lambda value: value
     unit: str = ""
     words: bool = False
-    ends: bool = False
+    parts: tuple[tuple[str, Callable[[Any], float]], ...] = ()
 
     def written(self, value: object, *, with_unit: bool = False) -> str:
         """A value as text."""
@@ -38,6 +40,11 @@ class Format:
     def sorts_by(self, value: object) -> float | None:
         """The number that a value sorts by, if it does by one."""
         return None if self.words or _is_missing(value) else self.key(value)
+
+    def numbers(self, value: object) -> dict[str, float]:
+        """The numbers of a value by the names of its parts, of one number without a name; none of words."""
+        number = self.sorts_by(value)
+        return {} if number is None else {name: key(value) for name, key in self.parts} or {"": number}
 
 
 def _is_missing(value: object) -> bool:
@@ -77,7 +84,8 @@ def reasons_named(reasons: Mapping[str, int]) -> str:
 WORDS = Format(str, words=True)
 COUNT = Format(str)
 SHARE = Format(percent)
-INTERVAL = Format(percents, lambda interval: float(interval[0]), ends=True)
+ENDS = (("low", itemgetter(0)), ("high", itemgetter(1)))
+INTERVAL = Format(percents, lambda interval: float(interval[0]), parts=ENDS)
 TEXT = Format(str, lambda _: None)  # made of several numbers: to the right as they are, with nothing to sort by
 MILLIMETRES = fixed(1, "mm", 1e3)
 REASONS = Format(reasons_named, words=True)

@@ -29,11 +29,6 @@ def number(value: float | None, unit: str, digits: int) -> str:
     return NOTHING if value is None else f"{value:.{digits}f} {unit}".rstrip()
 
 
-def quantiles(values: Sequence[float] | None, unit: str) -> str:
-    """Quantiles of a number that a start has, in its unit."""
-    return NOTHING if values is None else f"{'  '.join(f'{value:.3g}' for value in values)} {unit}".rstrip()
-
-
 def counted(count: int, one: str, many: str) -> str:
     """A count with its noun."""
     return f"{count} {one if count == 1 else many}"

@@ -54,6 +54,11 @@ class Axis:
     cells: int
 
     @property
+    def edges(self) -> Array:
+        """The parameter where cells begin and end, (cells + 1,)."""
+        return np.linspace(self.low, self.high, self.cells + 1)
+
+    @property
     def middles(self) -> Array:
         """The parameter at the middle of each cell, (cells,)."""
         return self.low + (np.arange(self.cells) + 0.5) * (self.high - self.low) / self.cells

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from report.reader import untold
 from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
@@ -45,6 +46,7 @@ def test_every_way_is_a_run_that_goes_on_and_is_held_against_its_measure(
     page = (tmp_path / "all" / "engines.html").read_text("utf-8")
     assert all((tmp_path / "all" / way.replace(", ", "-").replace(" ", "-") / "run.json").is_file() for way in WAYS)
     assert all(f"{way} against mujoco" in page for way in WAYS[1:])
+    assert untold(page, numbers) == set()
     again = CliRunner().invoke(app, ["engines", str(SPEC), *QUICK, "--out", "all"])
     assert again.exit_code == 0, again.stderr
     assert again.stderr.count("1 finished before") == len(WAYS)

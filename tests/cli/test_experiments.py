@@ -10,6 +10,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from report.reader import untold
 from typer.testing import CliRunner
 
 from graspdsl.cli.app import app
@@ -67,6 +68,7 @@ def test_claims_and_pages(ended: Path) -> None:
     page = (ended / "all" / "report.html").read_text("utf-8")
     assert all(claim["says"] in page for claim in claims)
     assert all(claim["could_fail"] in page for claim in claims)
+    assert untold(page, claims) == set()
     assert "no evidence" in {claim["verdict"] for claim in claims}
     assert "experiment-4/report.html" in page
     assert claims[0]["says"] in (ended / "all" / "experiment-4" / "report.html").read_text("utf-8")

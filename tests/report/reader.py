@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
 from html.parser import HTMLParser
+from typing import Any
+
+import numpy as np
 
 VOID = {"meta", "img", "br", "path", "use", "rect", "circle", "line", "stop", "link"}
 
@@ -38,3 +43,24 @@ class Reader(HTMLParser):
     def handle_data(self, data: str) -> None:
         """Text."""
         self.text += data
+
+
+def untold(page: str, document: Any) -> set[str]:
+    """The numbers in the tables of a page that a JSON document does not have, rounded as there, in words or as such, in
+    per cent or in thousandths."""
+    told, found = np.abs(_numbers(document)), set[str]()
+    for cell in re.findall(r"<td[^>]*>(.*?)</td>", page, flags=re.S):
+        for word in re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?:e-?\d+)?", unescape(re.sub(r"<[^>]*>", "", cell))):
+            digits, _, exponent = word.partition("e")
+            last = 10.0 ** (int(exponent or 0) - len(digits.partition(".")[2]))
+            if not any((np.abs(scale * told - float(word)) < 0.501 * last).any() for scale in (1.0, 1e2, 1e3)):
+                found.add(word)
+    return found
+
+
+def _numbers(part: Any) -> list[float]:
+    if isinstance(part, dict | list):
+        return [number for one in (part.values() if isinstance(part, dict) else part) for number in _numbers(one)]
+    if isinstance(part, str):
+        return [float(word) for word in re.findall(r"\d+(?:\.\d+)?", part)]
+    return [] if part is None else [float(part)]

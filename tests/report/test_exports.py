@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 import math
+import re
 import sys
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from stored_runs import stored_run
 from typer.testing import CliRunner
 
 import graspdsl as g
 from graspdsl.cli.app import app
+from graspdsl.report.balance import Alone, Holding, Load, Spread
 from graspdsl.report.data_files import as_csv, as_jsonl, format_of
-from graspdsl.report.exports import columns_of_table
+from graspdsl.report.evidence import Evidence
+from graspdsl.report.exports import columns_of_table, tables_of
+from graspdsl.report.figure_data import Convergence, FigureData, figure_tables, figures_of
+from graspdsl.report.figures import drawing_of
+from graspdsl.report.page import page
+from graspdsl.report.summary import summarised
 from graspdsl.report.tables import COUNT, INTERVAL, MILLIMETRES, SHARE, TEXT, Table, Value, fixed
 from graspdsl.report.tables import Column as Shown
 from graspdsl.trials.columns import Column
+from graspdsl.trials.record import RejectedStart
+from report.hand_made import HandMade, evidence
 
 SPECS = Path(__file__).parents[2] / "specs"
 TRIALS = 3
@@ -31,7 +45,25 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> g.Run:
     """A finished run that has most of what a report can show; not to be changed."""
     place = tmp_path_factory.mktemp("made") / "run"
     spec = SPECS / "chapter" / "4_30_grasp_cartesian.yaml"
-    return g.open_run(stored_run(place, spec, f"trials.count={TRIALS}", "evaluate=[force-closure]").path)
+    virtual = 'resources.Γ="{γ1, <γ2, γ3>}"'  # one direction less for what is below, so that there is one to disturb
+    return g.open_run(stored_run(place, spec, f"trials.count={TRIALS}", "evaluate=[force-closure]", virtual).path)
+
+
+@pytest.fixture(scope="module")
+def by_hand() -> Evidence:
+    """Trials of a hand on a grid that end in two modes, stopped, with a contact off and after draws that were rejected:
+    what the figures show that ``run`` does not have."""
+    one = [HandMade(end=0.1 + 0.01 * n, ticks=100 + n, forces=(1.0, 0.5, 0.1)) for n in range(12)]
+    other = [HandMade(end=1.4 + 0.01 * n, ticks=None) for n in range(12)]
+    grid = "[{parameter: roll, low: -1, high: 1, cells: 13}, {parameter: yaw, low: 0, high: 1, cells: 2}]"
+    trials = [*one, *other, HandMade(stopped=True), HandMade(touching=False)]
+    made = evidence(1, trials, f"trials.grid={grid}", "trials.count=26")
+    rejected = RejectedStart({"roll": 0.5, "yaw": 0.2, "height": 0.1, "standoff": 0.1}, "it rains")
+    begun = [
+        dataclasses.replace(record, start={**rejected.drawn, "roll": 0.1 * record.number}, rejected=(rejected,))
+        for record in made.records
+    ]
+    return dataclasses.replace(made, records=tuple(begun))
 
 
 def test_a_table_is_numbers_in_the_units_of_a_page() -> None:
@@ -110,6 +142,95 @@ def test_trials_are_those_of_the_data_frame(run: g.Run, tmp_path: Path) -> None:
             np.testing.assert_array_equal(other[name].to_numpy(float), frame[name].to_numpy(float), err_msg=name)
 
 
+def drawn_in(figure: Figure) -> set[float]:
+    """Every number that lines, bands and bars of a figure have, but for 0 and 1, where something begins or ends."""
+    found = list[float]()
+    for axes in figure.axes:
+        for line in axes.lines:
+            found += [*np.asarray(line.get_xdata(), dtype=float), *np.asarray(line.get_ydata(), dtype=float)]
+        for path in (path for area in axes.collections if type(area) is not QuadMesh for path in area.get_paths()):
+            found += path.vertices.ravel().tolist()
+        for bar in (patch for patch in axes.patches if isinstance(patch, Rectangle)):
+            found += [bar.get_x(), bar.get_x() + bar.get_width(), bar.get_height()]
+    return {number for number in found if math.isfinite(number)} - {0.0, 1.0}
+
+
+def test_all_that_a_figure_draws_is_in_its_tables(run: g.Run, by_hand: Evidence) -> None:
+    kinds = set()
+    for found in (run.evidence, by_hand):
+        figures = figures_of(found, summarised(found))
+        tables = {name: columns() for name, columns in figure_tables(figures).items()}
+        for figure in figures:
+            kinds.add(type(figure))
+            own = [table for name, table in tables.items() if f"{name}-".startswith(f"figure-{figure.name}-")]
+            assert own, figure.name
+            for table in own:
+                assert len({len(column.values) for column in table.values()}) == 1
+                assert any(column.unit and np.isfinite(column.values).all() for column in table.values()), figure.name
+                assert all(column.unit for column in table.values() if column.values.dtype.kind != "U")
+            told = np.concatenate([column.values for table in own for column in table.values() if column.unit])
+            written = {f"{round(number, 12):.9g}" for number in [*told, *100.0 * told]}  # shares are drawn in percent
+            missing = {f"{round(number, 12):.9g}" for number in drawn_in(drawing_of(figure).figure)} - written
+            # A share is drawn on to the end of its axis.
+            assert len(missing) == isinstance(figure, Convergence), (figure.name, missing)
+    assert kinds == {*get_args(FigureData)}
+
+
+def test_quantiles_and_spreads_are_numbers_with_units(by_hand: Evidence) -> None:
+    spread = Spread(0.1, 0.05, 0.2)
+    load = Load(spread, spread, spread)
+    held = Holding(3, "", {"contacts": load}, load, spread, Alone(spread, spread))
+    tables = tables_of(by_hand, dataclasses.replace(summarised(by_hand), balance=held), ())
+    starts, balance, summary = (tables[name]() for name in ("kept-starts", "balance", "summary"))
+    of = starts["number of a start"].values.tolist().index("yaw (rad)")
+    assert starts["unit"].values[of] == "rad"
+    assert [starts[f"asked for.{name}"].values[of] for name in ("p5", "p50", "p95")] == pytest.approx([0.25, 0.5, 0.75])
+    assert (balance["moment.p10"].values[0], balance["moment.p10"].unit) == (50.0, "mN·m")
+    told = {
+        name: (value, unit) for name, value, unit in zip(*(column.values for column in summary.values()), strict=True)
+    }
+    assert told["balance.without_table.falling.high"] == (0.2, "m/s²")
+    assert told["starts.draws"] == (52.0, "1")
+
+
+@pytest.mark.slow
+def test_every_table_of_the_page_has_its_export(run: g.Run) -> None:
+    """The tables of the page as they stand in it, held against those that have an export by their heads and rows."""
+    text = page(run.evidence, run.summary, []).replace("\N{NO-BREAK SPACE}", " ")
+    shown = {}
+    for title, table in re.findall(r'aria-label="([^"]*)"><table[^>]*>(.*?)</table>', text, flags=re.DOTALL):
+        heads = [re.sub(r"<[^>]*>", "", head).partition(" (")[0] for head in re.findall(r"<th.*?>(.*?)</th>", table)]
+        shown[title] = (heads, table.count("<tr>") - 1)
+    assert shown.pop("Trials")[1] == len(run.table("trials")["number"])
+    exports = [run.table(name) for name in run.tables]
+    parts = re.compile(r"\.(low|high|p5|p50|p95|p10|p90|median)$")
+    known = [
+        ([*dict.fromkeys(parts.sub("", name).replace("_", "").partition(" (")[0] for name in table)], table)
+        for table in exports
+    ]
+    assert len(shown) >= 7
+    for title, (heads, rows) in shown.items():
+        found = [table for names, table in known if names in (heads, [*heads, "unit"])]
+        assert rows in [len(next(iter(table.values()))) for table in found], title
+
+
+@pytest.mark.slow
+def test_all_tables_at_once(run: g.Run, tmp_path: Path) -> None:
+    """A file each, whose units pandas and pyarrow find where they look for them."""
+    pandas = pytest.importorskip("pandas")
+    folder = run.export(tmp_path / "tables", "all", form="parquet")
+    assert {file.name for file in folder.iterdir()} == {f"{name}.parquet" for name in run.tables}
+    for name in run.tables:
+        table, file = run.table(name), folder / f"{name}.parquet"
+        assert pandas.read_parquet(file).attrs == {"units": table.units}
+        fields = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in pq.read_schema(file)}
+        assert fields == table.units
+    with pytest.raises(g.DiagnosticError, match=r"error\[folder-not-empty\]"):
+        run.export(folder, "all")
+    with pytest.raises(ValueError, match="trial: "):
+        run.export(tmp_path / "x", "all", trial=1)
+
+
 def test_a_trajectory(run: g.Run, tmp_path: Path) -> None:
     trajectory = run.trajectory(1)
     with np.load(run.export(tmp_path / "t.npz", "trajectory", trial=1)) as arrays:
@@ -154,6 +275,10 @@ def test_the_command(run: g.Run, tmp_path: Path) -> None:
     code, _, said = export("--what", "modes", "--to", str(tmp_path / "modes.csv"))
     assert (code, said) == (0, f"modes → {tmp_path / 'modes.csv'}\n")
     assert export("--format", "parquet")[2].startswith("-: error[unknown-format]: parquet is no text for stdout")
+    assert export("--what", "all")[2].startswith("-: error[unknown-format]: all tables are files of a folder")
+    code, _, said = export("--what", "all", "--to", str(tmp_path / "all"))
+    assert (code, said) == (0, f"{len(run.tables)} tables → {tmp_path / 'all'}\n")
+    assert (tmp_path / "all" / "modes.csv").read_bytes() == (tmp_path / "modes.csv").read_bytes()
     assert export("--what", "mods")[2].endswith("hint: did you mean modes?\n")
     assert export("--what", "trajectory")[0] == export("--trial", "1")[0] == 2
     assert export("--what", "trajectory", "--trial", "1")[1].startswith("tick,time,phase,")

@@ -15,10 +15,11 @@ from scipy import stats
 from stored_runs import stored_run
 
 from graspdsl.diagnostics import DiagnosticError
-from graspdsl.report import figures
 from graspdsl.report.claims import Claim
 from graspdsl.report.drawing import inline_svg, png_of, svg_of
 from graspdsl.report.evidence import Evidence, evidence_of
+from graspdsl.report.figure_data import funnel_of
+from graspdsl.report.figures import drawn_funnel
 from graspdsl.report.judgements import Verdict
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.page import drawings_of
@@ -189,9 +190,9 @@ def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: E
     text = read(page(evidence)).text
     assert "1 trial (a contact did not touch at the end)" in text
     assert "1 trial (nothing was recorded of the end, or its trajectory cannot be read)" in text
-    found = figures.drawn_funnel(evidence, summarised(evidence))
+    found = funnel_of(evidence, summarised(evidence))
     assert found is not None
-    assert "settled after it, 6 trials" in found.svg
+    assert "settled after it, 6 trials" in drawn_funnel(found).svg
 
 
 def test_a_run_on_a_grid_shows_its_map(tmp_path: Path) -> None:
