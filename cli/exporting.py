@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from graspdsl.api.runs import Run
 from graspdsl.cli.messages import result, say
-from graspdsl.cli.running import opened
+from graspdsl.cli.running import opened, opened_either
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, listed, on_one_line
 from graspdsl.report.data_files import CSV, TEXTS, as_csv, as_jsonl, format_of
 from graspdsl.report.exports import ALL
@@ -27,12 +28,16 @@ def export_run(
             else (f"{form} is no text for stdout", f"name a file with --to, or give --format {listed(TEXTS, 'or')}")
         )
         raise DiagnosticError([Diagnostic("unknown-format", message, hint=hint)], str(to))
-    run = opened(path, allow_code=allow_code)
+    run = opened(path, allow_code=allow_code) if trial is not None else opened_either(path, allow_code=allow_code)
     if to == STDOUT:
-        result((as_csv if form == CSV else as_jsonl)(run.columns_for(what, trial)).removesuffix("\n"))
+        columns = run.columns_for(what, trial) if isinstance(run, Run) else run.columns_for(what)
+        result((as_csv if form == CSV else as_jsonl)(columns).removesuffix("\n"))
         return
     try:
-        run.export(to, what, trial=trial, form=form)
+        if isinstance(run, Run):
+            run.export(to, what, trial=trial, form=form)
+        else:
+            run.export(to, what, form=form)
     except ImportError as error:
         message, _, hint = str(error).partition(": ")
         raise DiagnosticError([Diagnostic("not-installed", message, hint=f"install it: {hint}")], str(to)) from None

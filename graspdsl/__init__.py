@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from graspdsl.api.formulas import Formula, parse
     from graspdsl.api.grasps import Residuals, ferrari_canny, force_closure, residuals
     from graspdsl.api.programs import SpecWarning, load, loads
-    from graspdsl.api.runs import Columns, Run, open_run, resume, run
+    from graspdsl.api.runs import Run, open_run, resume, run
     from graspdsl.api.sweeps import Sweep, open_sweep, resume_sweep, sweep
+    from graspdsl.api.told import Columns
     from graspdsl.api.trajectories import Trajectory
     from graspdsl.compiler.program import Program
     from graspdsl.diagnostics import Diagnostic, DiagnosticError
@@ -84,7 +85,7 @@ __all__ = [
 
 # By name, the module that a thing is from.
 _HOMES = {
-    "Columns": "api.runs",
+    "Columns": "api.told",
     "Command": "worlds.protocol",
     "ControlLoop": "trials.control_loop",
     "Controller": "api.controllers",

@@ -8,21 +8,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from operator import index
-from os import PathLike
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
-
-import numpy.typing as npt
+from typing import TYPE_CHECKING, TypeVar
 
 from graspdsl.api.programs import load, warn, with_trials
+from graspdsl.api.told import Place, Told
 from graspdsl.api.trajectories import Trajectory
 from graspdsl.compiler.program import Program
 from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.report.claims import Claim, claims_of
-from graspdsl.report.data_files import CSV, NPZ, format_of, units_of, write_columns, write_tables
+from graspdsl.report.data_files import NPZ, format_of, write_columns
 from graspdsl.report.evidence import Evidence, evidence_of
-from graspdsl.report.exports import ALL, TRAJECTORY, TRIALS, columns_of_trajectory, tables_of
+from graspdsl.report.exports import TRAJECTORY, TRIALS, columns_of_trajectory, tables_of
 from graspdsl.report.figure_data import FigureData, figures_of
 from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, summarised
@@ -38,15 +36,13 @@ from graspdsl.trials.workers import WorkerEndedError, Workers, sharing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
-Place = str | PathLike[str]
 OnRecord = Callable[[TrialRecord], object]
 STOPPED = (KeyboardInterrupt, WorkerEndedError)
 
 MOST_WORKERS = 1024
 SWEEPS = "graspdsl.sweep runs it; set=['sweep=null'] makes it a plain one"
-R = TypeVar("R", bound="Kept")
+R = TypeVar("R", bound=Told)
 
 
 def run(
@@ -200,12 +196,6 @@ def told_how_to_go_on(place: Path) -> Iterator[None]:
         raise
 
 
-class Kept(Protocol):
-    """What is kept in the folder of a run."""
-
-    folder: RunFolder
-
-
 class Trials:
     """The records of a run's finished trials, by number: ``trials[3]``; a loop over them goes by number."""
 
@@ -231,45 +221,11 @@ class Trials:
         return f"<Trials: {', '.join(f'{record.number} {record.outcome}' for record in self)}>"
 
 
-def _columns(found: Mapping[str, Column]) -> Columns:
-    return Columns({name: column.values for name, column in found.items()}, units_of(found))
-
-
-class Columns(dict[str, npt.NDArray[Any]]):
-    """Arrays (n,) by name, a value for each of n trials; ``units``: the SI unit of each, empty for words."""
-
-    def __init__(self, arrays: Mapping[str, npt.NDArray[Any]], units: Mapping[str, str]) -> None:
-        super().__init__(arrays)
-        self.units = dict(units)
-
-    def __missing__(self, name: str) -> npt.NDArray[Any]:
-        raise KeyError(f"there is no {name!r}; {known_names_hint(name, self, 'columns')}")
-
-    def __repr__(self) -> str:
-        count = len(next(iter(self.values()), ()))
-        told = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
-        rows = counted(count, "trial", "trials") if "identity" in self else counted(count, "row", "rows")
-        return f"<Columns of {rows}: {', '.join(told)}>"
-
-
-class Run:
+class Run(Told):
     """A run: its trials, their trajectories, and what a report says of them. Made by :func:`run` or :func:`open_run`.
 
     ``program``: what was run. What is asked for is worked out when it is first asked for.
     """
-
-    def __init__(self, folder: RunFolder, program: Program) -> None:
-        self.folder, self.program = folder, program
-
-    @property
-    def path(self) -> Path:
-        """Its folder."""
-        return self.folder.path
-
-    @property
-    def name(self) -> str:
-        """The name of its spec."""
-        return self.folder.manifest.name
 
     @cached_property
     def trials(self) -> Trials:
@@ -299,57 +255,17 @@ class Run:
         with reading(str(self.path)):
             return Trajectory(self.folder.trajectory(number, Layout.of(self.program)))
 
-    def columns(self) -> Columns:
-        """The records as arrays, a value a trial, with their ``units``; see :func:`graspdsl.trials.columns.columns_of`.
-
-        ``columns()["outcome"]``, ``["force_residual_end"]``, ``["start.roll"]``; NaN where there was no number.
-        """
-        return _columns(columns_of(self.program, list(self.trials)))
-
-    def to_dataframe(self) -> DataFrame:
-        """The columns as a pandas DataFrame, with their units in ``attrs["units"]``.
-
-        Raises ImportError where pandas is not installed.
-        """
-        try:
-            from pandas import DataFrame
-        except ImportError as error:
-            raise ImportError('to_dataframe needs pandas: pip install "graspdsl[pandas]"') from error
-        columns = self.columns()
-        frame = DataFrame(dict(columns))
-        frame.attrs["units"] = columns.units
-        return frame
-
-    @property
-    def tables(self) -> list[str]:
-        """The names of its tables: ``trials``, and all that its report shows."""
-        return [TRIALS, *self._shown]
-
-    def table(self, name: str = TRIALS) -> Columns:
-        """A table of its report as arrays, a value a row, with their ``units``, which are those of the page;
-        ``trials`` are its :meth:`columns`. Raises DiagnosticError for a name that is not among ``tables``."""
-        return _columns(self.columns_for(name))
-
     def export(self, path: Place, what: str = TRIALS, *, trial: int | None = None, form: str | None = None) -> Path:
-        """Write one of its tables into a file, in the place of an earlier one; gives back where it is.
+        """Write one of its tables into a file, as :meth:`Told.export`, or a ``trajectory``, of a ``trial``.
 
-        what: one of ``tables``, or ``trajectory``, of a ``trial``; or ``all``, every table as a file of its own in the
-        folder ``path``, which is new or empty. form: csv, jsonl, parquet or npz, by default what the name ends with,
-        of ``all`` csv. Units are in the metadata of parquet's columns, where ``pandas.read_parquet`` finds them as
-        those of :meth:`to_dataframe`; beside other files as JSON, ``trials.units.json``.
-
-        Raises DiagnosticError where there is no such table, trial or format, or the file cannot be written; ValueError
-        for a trial of a table, ImportError where parquet is asked for and pyarrow is not installed.
+        Raises ValueError for a trial of a table, DiagnosticError where it is not finished.
         """
+        if trial is None:
+            return super().export(path, what, form=form)
         place = Path(path)
-        if what == ALL:
-            form = format_of(place, form or CSV)
-            tables = {name: self.columns_for(name, trial) for name in self.tables}
-            with reading(str(place)):
-                return write_tables(place, tables, form)
         form = format_of(place, form)
         columns = self.columns_for(what, trial)
-        if trial is not None and form == NPZ:  # which has room for axes
+        if form == NPZ:  # which has room for axes
             arrays = self.trajectory(trial)
             columns = {name: Column(arrays[name], unit) for name, unit in arrays.units.items()}
         with reading(str(place)):
@@ -359,18 +275,16 @@ class Run:
         """What :meth:`export` writes under a name."""
         if (name == TRAJECTORY) != (trial is not None):
             raise ValueError(f"trial: a {TRAJECTORY} is of one, and nothing else")
-        if trial is not None:
-            if trial not in self.trials:
-                hint = f"{counted(len(self.trials), 'trial is', 'trials are')} finished"
-                message = f"this run has no finished trial {trial}"
-                raise DiagnosticError([Diagnostic("unknown-trial", message, hint=hint)], str(self.path))
-            return columns_of_trajectory(self.program, self.trajectory(trial))
-        if name == TRIALS:
-            return columns_of(self.program, list(self.trials))
-        if name not in self._shown:
-            message, hint = f"this run has no table {name!r}", known_names_hint(name, self.tables, "tables")
-            raise DiagnosticError([Diagnostic("unknown-table", message, hint=hint)], str(self.path))
-        return self._shown[name]()
+        if trial is None:
+            return super().columns_for(name)
+        if trial not in self.trials:
+            hint = f"{counted(len(self.trials), 'trial is', 'trials are')} finished"
+            message = f"this run has no finished trial {trial}"
+            raise DiagnosticError([Diagnostic("unknown-trial", message, hint=hint)], str(self.path))
+        return columns_of_trajectory(self.program, self.trajectory(trial))
+
+    def _of_trials(self) -> Mapping[str, Column]:
+        return columns_of(self.program, list(self.trials))
 
     @cached_property
     def _shown(self) -> Mapping[str, Callable[[], Mapping[str, Column]]]:

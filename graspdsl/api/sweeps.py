@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from graspdsl.api.programs import load, warn, with_settings, with_trials
 from graspdsl.api.runs import (
     OnRecord,
-    Place,
     Run,
     carried_on,
     checked,
@@ -17,13 +17,19 @@ from graspdsl.api.runs import (
     performed,
     told_how_to_go_on,
 )
+from graspdsl.api.told import Place, Told
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, on_one_line, reading
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
 from graspdsl.places.wording import Data
-from graspdsl.report.sweep_page import verdict, write_sweep
-from graspdsl.report.sweeps import SweepSummary, swept
+from graspdsl.report.drawing import Drawing
+from graspdsl.report.sweep_page import drawings_of_sweep, verdict, write_sweep
+from graspdsl.report.sweeps import SweepSummary, columns_over, swept, tables_of_sweep
 from graspdsl.spec.sweeping import Point, setting
+from graspdsl.trials.columns import Column, columns_of
 from graspdsl.trials.store import RunFolder
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def sweep(
@@ -98,7 +104,7 @@ def _no_sweep(message: str) -> Diagnostic:
     return Diagnostic("no-sweep", message, hint="a sweep: sweep: {grid: {scene.friction: [0.3, 0.6]}}")
 
 
-class Sweep:
+class Sweep(Told):
     """A sweep: its points, each a :class:`Run` of its own, and what a report says of all. Made by :func:`sweep` or
     :func:`open_sweep`.
 
@@ -107,18 +113,8 @@ class Sweep:
     """
 
     def __init__(self, folder: RunFolder, program: Program) -> None:
-        self.folder, self.program = folder, program
+        super().__init__(folder, program)
         self._runs = dict[int, Run]()
-
-    @property
-    def path(self) -> Path:
-        """Its folder."""
-        return self.folder.path
-
-    @property
-    def name(self) -> str:
-        """The name of its spec."""
-        return self.folder.manifest.name
 
     @cached_property
     def points(self) -> Sequence[Point]:
@@ -143,6 +139,29 @@ class Sweep:
         """Everything that a report says of it, as data: ``summary.points[3].share`` and so on."""
         with reading(str(self.path)):
             return swept(self.folder, self.program)
+
+    @cached_property
+    def _shown(self) -> Mapping[str, Callable[[], Mapping[str, Column]]]:
+        return tables_of_sweep(self.summary)
+
+    def _of_trials(self) -> Mapping[str, Column]:
+        return columns_over(self.points, [columns_of(run.program, list(run.trials)) for run in self])
+
+    @cached_property
+    def _drawings(self) -> Mapping[str, Drawing]:
+        return {drawing.name: drawing for drawing in drawings_of_sweep(self.summary)}
+
+    @property
+    def figures(self) -> list[str]:
+        """The names of its figures, one for each field."""
+        return [*self._drawings]
+
+    def figure(self, name: str) -> Figure:
+        """A figure of its report. Raises DiagnosticError for a name that is not among ``figures``."""
+        if name not in self._drawings:
+            message, hint = f"this sweep has no figure {name!r}", known_names_hint(name, self._drawings, "figures")
+            raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
+        return self._drawings[name].figure
 
     def report(self) -> Path:
         """Write its page, ``report.html``, and its figures into its folder; gives back where the page is.

@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from graspdsl.compiler.program import Program
 from graspdsl.places.validation import slot
 from graspdsl.places.wording import Data, as_yaml, shortened
 from graspdsl.report.comparison import MEASURES, Against, held_against, pairs_of
+from graspdsl.report.data_files import Columns
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import (
     Estimate,
@@ -26,6 +28,7 @@ from graspdsl.report.summary import repeating
 from graspdsl.report.tables import COUNT, INTERVAL, SHARE, TEXT, Column, Format, Table, fixed
 from graspdsl.spec.models import Spec
 from graspdsl.spec.sweeping import Point, Sweep, setting
+from graspdsl.trials.columns import Column as DataColumn
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
 
@@ -201,6 +204,111 @@ def _median_of(name: str) -> Callable[[SweptPoint], float | None]:
     return lambda point: point.medians[name]
 
 
+# Data
+
+
+def tables_of_sweep(found: SweepSummary) -> dict[str, Callable[[], Columns]]:
+    """What a report of a sweep shows besides single trials, by name, with a row a point, a difference or a
+    correlation."""
+    made: dict[str, Callable[[], Columns]] = {"points": partial(_points, found)}
+    made |= {"differences": partial(_differences, found)} if found.changes else {}
+    made |= {"correlations": partial(_correlated, found)} if found.correlations else {}
+    return made
+
+
+def _points(found: SweepSummary) -> dict[str, DataColumn]:
+    points = found.points
+    made = {"point": _whole([point.number for point in points]), **_valued([point.values for point in points])}
+    made |= {name: _whole([getattr(point, name) for point in points]) for name in ("asked", "finished", "converged")}
+    made |= _ranged("share", "1", [(point.share, point.interval) for point in points])
+    for name in SHOWN:
+        made |= _ranged(name, _UNITS[name], [(point.medians[name], point.intervals[name]) for point in points])
+    for place, percentile in enumerate(QUARTERS):
+        ends = [point.orientations[place] if point.orientations else None for point in points]
+        made[f"orientation_end.p{percentile:.0f}"] = _numbers(ends, "rad")
+    for outcome in dict.fromkeys(name for point in points for name in point.outcomes):
+        made[f"outcomes.{outcome}"] = _whole([point.outcomes.get(outcome, 0) for point in points])
+    return made
+
+
+def _differences(found: SweepSummary) -> dict[str, DataColumn]:
+    changes = found.changes
+    made = {
+        "field": _words([change.field or "" for change in changes]),
+        "point": _whole([change.point for change in changes]),
+        "against": _whole([change.base for change in changes]),
+        "pairs": _whole([change.against.pairs for change in changes]),
+        **_estimated("share", "1", [change.against.converged for change in changes]),
+    }
+    for name in SHOWN:
+        made |= _estimated(name, _UNITS[name], [change.against.differences.get(name) for change in changes])
+    return made
+
+
+def _correlated(found: SweepSummary) -> dict[str, DataColumn]:
+    return {
+        "field": _words([one.field for one in found.correlations]),
+        "measure": _words([one.measure for one in found.correlations]),
+        "points": _whole([one.estimate.count for one in found.correlations]),
+        **_estimated("correlation", "1", [one.estimate for one in found.correlations]),
+    }
+
+
+def columns_over(points: Sequence[Point], trials: Sequence[Columns]) -> dict[str, DataColumn]:
+    """The columns of the trials of each point as one table, with the point of each trial and its values first; what
+    some points have not is NaN there, or empty."""
+    counts = [len(next(iter(columns.values())).values) for columns in trials]
+    of_trial = [point for point, count in enumerate(counts) for _ in range(count)]
+    made = {"point": _whole(of_trial), **_valued([points[point] for point in of_trial])}
+    for name in dict.fromkeys(name for columns in trials for name in columns):
+        known = next(columns[name] for columns in trials if name in columns)
+        words = known.values.dtype.kind == "U"
+        parts = [
+            columns[name].values if name in columns else np.full(count, "" if words else np.nan)
+            for columns, count in zip(trials, counts, strict=True)
+        ]
+        made[name] = DataColumn(np.concatenate(parts), known.unit)
+    return made
+
+
+def _valued(points: Sequence[Point]) -> dict[str, DataColumn]:
+    """The values of points by fields, as numbers where all are."""
+    made = {}
+    for field in dict.fromkeys(field for point in points for field in point):
+        values = [point[field] for point in points]
+        unit = _unit(field, values)
+        words = [value if isinstance(value, str) else json.dumps(value, ensure_ascii=False) for value in values]
+        made[field] = DataColumn(np.array(values, dtype=float), unit) if unit else _words(words)
+    return made
+
+
+def _estimated(name: str, unit: str, estimates: Sequence[Estimate | None]) -> dict[str, DataColumn]:
+    return _ranged(name, unit, [(one.value, one.interval) if one else (None, None) for one in estimates])
+
+
+def _ranged(name: str, unit: str, known: Sequence[tuple[float | None, Interval | None]]) -> dict[str, DataColumn]:
+    return {
+        name: _numbers([value for value, _ in known], unit),
+        f"{name}.low": _numbers([interval[0] if interval else None for _, interval in known], unit),
+        f"{name}.high": _numbers([interval[1] if interval else None for _, interval in known], unit),
+    }
+
+
+def _numbers(values: Sequence[float | None], unit: str) -> DataColumn:
+    return DataColumn(np.array([np.nan if value is None else value for value in values], dtype=float), unit)
+
+
+def _whole(values: Sequence[int]) -> DataColumn:
+    return DataColumn(np.array(values, dtype=np.int64), "1")
+
+
+def _words(values: Sequence[str]) -> DataColumn:
+    return DataColumn(np.array(values, dtype=np.str_), "")
+
+
+_UNITS = {"ticks": "1", "orientation_end": "rad", "force_residual_end": "1", "moment_residual_end": "m"}
+
+
 # Tables
 
 
@@ -321,7 +429,7 @@ def _format(unit: str) -> Format:
 
 
 _OUTCOMES = Format(lambda outcomes: ", ".join(f"{name} {count}" for name, count in outcomes.items()), words=True)
-_ENDS = Format(lambda ends: f"{ends[0]:+.2f} to {ends[1]:+.2f}", lambda ends: float(ends[0]), ends=True)
+_ENDS = Format(lambda ends: f"{ends[0]:+.2f} to {ends[1]:+.2f}", lambda ends: float(ends[0]))
 _LABELS = {
     "ticks": "ticks",
     "orientation_end": "orientation",

@@ -139,3 +139,41 @@ def test_there_is_no_correlation_of_few_or_with_what_never_changes() -> None:
     ties = rank_correlation(six, np.array([1.0, 1, 1, 1, 1, 2]))
     assert ties
     assert ties.interval == (-1.0, 1.0)  # a third of all resamples lack the one that differs
+
+
+@pytest.mark.slow
+def test_all_that_a_sweep_says_is_exported(grid: g.Sweep, tmp_path: Path) -> None:
+    assert grid.tables == ["trials", "points", "differences"]
+    points, differences, trials = (grid.table(name) for name in ("points", "differences", "trials"))
+    for point in grid.summary.points:
+        row = {name: points[name][point.number] for name in points}
+        assert (row["point"], row["share"], row["control.step"]) == (
+            point.number,
+            point.share,
+            point.values["control.step"],
+        )
+        assert (row["share.low"], row["share.high"]) == point.interval
+        assert row["control.nullspace"] == point.values["control.nullspace"]
+        assert [row[f"orientation_end.p{at}"] for at in (10, 25, 50, 75, 90)] == list(point.orientations or ())
+    assert (points.units["control.step"], points.units["control.nullspace"]) == ("m", "")
+    for place, change in enumerate(grid.summary.changes):
+        estimate = change.against.converged
+        assert estimate
+        assert differences["share"][place] == estimate.value
+        assert (differences["field"][place], differences["against"][place]) == (change.field, change.base)
+    assert trials["point"].tolist() == [point for point in range(8) for _ in range(COUNT)]
+    for run, at in zip(grid, range(0, 8 * COUNT, COUNT), strict=True):
+        assert np.array_equal(trials["orientation_end"][at : at + COUNT], run.columns()["orientation_end"])
+    assert trials.units["orientation_end"] == "rad"
+    folder = grid.export(tmp_path / "all", "all")
+    assert sorted(file.name for file in folder.glob("*.csv")) == ["differences.csv", "points.csv", "trials.csv"]
+    assert grid.figures == [f"sweep-{field}" for field in grid.summary.fields]
+
+
+@pytest.mark.slow
+def test_trials_of_points_that_measure_other_things_are_one_table(tmp_path: Path) -> None:
+    found = swept(tmp_path / "run", "{list: [{evaluate: [force-closure]}, {evaluate: []}]}")
+    closed = found.columns()["quality.force-closure.closed"]
+    assert np.isfinite(closed[:COUNT]).all()
+    assert np.isnan(closed[COUNT:]).all()
+    assert found.columns()["evaluate"][[0, -1]].tolist() == ['["force-closure"]', "[]"]
