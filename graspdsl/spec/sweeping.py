@@ -45,7 +45,7 @@ class Steps(Model):
     high: End = Field(alias="to", description="the last of them")
     count: Count = Field(alias="steps", ge=2, le=MOST_POINTS, description="how many numbers there are, 2 to 1000")
     scale: Literal["linear", "log"] = Field(
-        default="linear", description="what is evenly spaced: the numbers, or their logarithms"
+        default="linear", description="what is evenly spaced; linear: the numbers; log: their logarithms"
     )
 
     @model_validator(mode="after")
