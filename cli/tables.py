@@ -57,8 +57,7 @@ def summary_text(summary: Summary) -> str:
 
 def sweep_text(found: SweepSummary) -> str:
     """What a sweep did, laid out for the terminal that stdout is."""
-    from graspdsl.report.sweep_page import verdict
-    from graspdsl.report.sweeps import METHODS, changes_tables, correlations_table, points_table
+    from graspdsl.report.sweeps import METHODS, changes_tables, correlations_table, points_table, verdict
 
     tables = [
         points_table(found, briefly=True),

@@ -6,7 +6,7 @@ import shutil
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from operator import index
 from pathlib import Path
 from tempfile import mkdtemp
@@ -16,7 +16,7 @@ from graspdsl.api.programs import load, warn, with_trials
 from graspdsl.api.told import Place, Told
 from graspdsl.api.trajectories import Trajectory
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, on_one_line, reading
 from graspdsl.report.claims import Claim, claims_of
 from graspdsl.report.data_files import NPZ, format_of, write_columns
 from graspdsl.report.evidence import Evidence, evidence_of
@@ -221,6 +221,12 @@ class Trials:
         return f"<Trials: {', '.join(f'{record.number} {record.outcome}' for record in self)}>"
 
 
+def _figure_of(data: FigureData) -> Figure:
+    from graspdsl.report.figures import drawing_of
+
+    return drawing_of(data).figure
+
+
 class Run(Told):
     """A run: its trials, their trajectories, and what a report says of them. Made by :func:`run` or :func:`open_run`.
 
@@ -294,19 +300,9 @@ class Run(Told):
     def _figures(self) -> Mapping[str, FigureData]:
         return {figure.name: figure for figure in figures_of(self.evidence, self.summary)}
 
-    @property
-    def figures(self) -> list[str]:
-        """The names of its figures."""
-        return [*self._figures]
-
-    def figure(self, name: str) -> Figure:
-        """A figure of its report, drawn anew. Raises DiagnosticError for a name that is not among ``figures``."""
-        from graspdsl.report.figures import drawing_of
-
-        if name not in self._figures:
-            message, hint = f"this run has no figure {name!r}", known_names_hint(name, self._figures, "figures")
-            raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
-        return drawing_of(self._figures[name]).figure
+    @cached_property
+    def _drawn(self) -> Mapping[str, Callable[[], Figure]]:
+        return {name: partial(_figure_of, data) for name, data in self._figures.items()}
 
     def report(self) -> Path:
         """Write its page, ``report.html``, and its figures into its folder; gives back where the page is.

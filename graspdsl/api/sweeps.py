@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,11 +19,9 @@ from graspdsl.api.runs import (
 )
 from graspdsl.api.told import Place, Told
 from graspdsl.compiler.program import Program
-from graspdsl.diagnostics import Diagnostic, DiagnosticError, known_names_hint, on_one_line, reading
+from graspdsl.diagnostics import Diagnostic, DiagnosticError, on_one_line, reading
 from graspdsl.places.wording import Data
-from graspdsl.report.drawing import Drawing
-from graspdsl.report.sweep_page import drawings_of_sweep, verdict, write_sweep
-from graspdsl.report.sweeps import SweepSummary, columns_over, swept, tables_of_sweep
+from graspdsl.report.sweeps import SweepSummary, columns_over, figure_name, swept, tables_of_sweep, verdict
 from graspdsl.spec.sweeping import Point, setting
 from graspdsl.trials.columns import Column, columns_of
 from graspdsl.trials.store import RunFolder
@@ -148,26 +146,21 @@ class Sweep(Told):
         return columns_over(self.points, [columns_of(run.program, list(run.trials)) for run in self])
 
     @cached_property
-    def _drawings(self) -> Mapping[str, Drawing]:
-        return {drawing.name: drawing for drawing in drawings_of_sweep(self.summary)}
+    def _drawn(self) -> Mapping[str, Callable[[], Figure]]:
+        return {figure_name(field): partial(self._figure, field) for field in self.summary.fields}
 
-    @property
-    def figures(self) -> list[str]:
-        """The names of its figures, one for each field."""
-        return [*self._drawings]
+    def _figure(self, field: str) -> Figure:
+        from graspdsl.report.sweep_page import field_figure
 
-    def figure(self, name: str) -> Figure:
-        """A figure of its report. Raises DiagnosticError for a name that is not among ``figures``."""
-        if name not in self._drawings:
-            message, hint = f"this sweep has no figure {name!r}", known_names_hint(name, self._drawings, "figures")
-            raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
-        return self._drawings[name].figure
+        return field_figure(self.summary, field)
 
     def report(self) -> Path:
         """Write its page, ``report.html``, and its figures into its folder; gives back where the page is.
 
         Raises DiagnosticError where the folder cannot be written to.
         """
+        from graspdsl.report.sweep_page import write_sweep
+
         with reading(str(self.path)):
             return write_sweep(self.folder, self.summary)
 

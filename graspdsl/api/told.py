@@ -20,6 +20,7 @@ from graspdsl.trials.columns import Column
 from graspdsl.trials.store import RunFolder
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 Place = str | PathLike[str]
@@ -65,6 +66,10 @@ class Told(ABC):
     @cached_property
     @abstractmethod
     def _shown(self) -> Mapping[str, Callable[[], Mapping[str, Column]]]: ...
+
+    @cached_property
+    @abstractmethod
+    def _drawn(self) -> Mapping[str, Callable[[], Figure]]: ...
 
     def columns(self) -> Columns:
         """The records as arrays, a value a trial, with their ``units``; see :func:`graspdsl.trials.columns.columns_of`.
@@ -115,6 +120,18 @@ class Told(ABC):
             if what == ALL:
                 return write_tables(place, {name: self.columns_for(name) for name in self.tables}, form)
             return write_columns(place, self.columns_for(what), form)
+
+    @property
+    def figures(self) -> list[str]:
+        """The names of its figures."""
+        return [*self._drawn]
+
+    def figure(self, name: str) -> Figure:
+        """A figure of its report, drawn anew. Raises DiagnosticError for a name that is not among ``figures``."""
+        if name not in self._drawn:
+            message, hint = f"this run has no figure {name!r}", known_names_hint(name, self._drawn, "figures")
+            raise DiagnosticError([Diagnostic("unknown-figure", message, hint=hint)], str(self.path))
+        return self._drawn[name]()
 
     def columns_for(self, name: str) -> Mapping[str, Column]:
         """What :meth:`export` writes under a name."""

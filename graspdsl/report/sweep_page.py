@@ -9,24 +9,25 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from graspdsl.places.wording import Data, slug
+from graspdsl.places.wording import Data
 from graspdsl.report.drawing import SMALL, Drawing, panels_of
 from graspdsl.report.palette import LIGHT, SERIES, series
-from graspdsl.report.statistics import RIGHT_ANGLE, Interval, wilson
+from graspdsl.report.statistics import RIGHT_ANGLE, Interval
 from graspdsl.report.sweeps import (
     METHODS,
     SweepSummary,
     SweptPoint,
     changes_tables,
     correlations_table,
+    figure_name,
     is_a_number,
     labels_of,
     points_table,
     said,
     valued,
+    verdict,
 )
 from graspdsl.report.templating import rendered
-from graspdsl.report.wording import counted, percent, percents
 from graspdsl.report.writing import FIGURES, PAGE, replace
 from graspdsl.spec.sweeping import setting
 from graspdsl.trials.store import RunFolder
@@ -37,9 +38,7 @@ BESIDE, WIDEST = 0.01, 0.06  # of the abscissa between lines at a value, and bet
 
 def drawings_of_sweep(found: SweepSummary) -> list[Drawing]:
     """A figure for each field that is swept."""
-    return [
-        Drawing(f"sweep-{slug(field)}", field_figure(found, field), _caption(found, field)) for field in found.fields
-    ]
+    return [Drawing(figure_name(field), field_figure(found, field), _caption(found, field)) for field in found.fields]
 
 
 def _caption(found: SweepSummary, field: str) -> str:
@@ -165,24 +164,6 @@ class _Drawn:
 
     def _bar(self, axes: Axes, place: float, low: float, high: float, width: float) -> None:
         axes.plot([place, place], [low, high], color=self.colour, linewidth=width, alpha=0.7)
-
-
-def verdict(found: SweepSummary) -> str:
-    """How many trials converged over all, and at which points the least and the most."""
-    if not found.finished:
-        return "No trial has finished."
-    known = [point for point in found.points if point.share is not None]
-    low, high = (choose(known, key=lambda point: point.share or 0.0) for choose in (min, max))
-    whole = f"{found.converged} of {counted(found.finished, 'trial', 'trials')} converged"
-    whole += f" at {counted(len(found.points), 'point', 'points')}"
-    if low.share == high.share:
-        return f"{whole}, {percent(low.share)} at each."
-    return f"{whole}: from {_at(low)} to {_at(high)}."
-
-
-def _at(point: SweptPoint) -> str:
-    share = f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))})"
-    return f"{share} at {valued(point, labels_of(list(point.values)))}"
 
 
 def write_sweep(folder: RunFolder, found: SweepSummary) -> Path:

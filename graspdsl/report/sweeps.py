@@ -12,7 +12,7 @@ import numpy as np
 
 from graspdsl.compiler.program import Program
 from graspdsl.places.validation import slot
-from graspdsl.places.wording import Data, as_yaml, shortened
+from graspdsl.places.wording import Data, as_yaml, shortened, slug
 from graspdsl.report.comparison import MEASURES, Against, held_against, pairs_of
 from graspdsl.report.data_files import Columns
 from graspdsl.report.evidence import Evidence
@@ -26,6 +26,7 @@ from graspdsl.report.statistics import (
 )
 from graspdsl.report.summary import repeating
 from graspdsl.report.tables import COUNT, INTERVAL, SHARE, TEXT, Column, Format, Table, fixed
+from graspdsl.report.wording import counted, percent, percents
 from graspdsl.spec.models import Spec
 from graspdsl.spec.sweeping import Point, Sweep, setting
 from graspdsl.trials.columns import Column as DataColumn
@@ -202,6 +203,32 @@ def _correlations(units: Mapping[str, str], points: Sequence[SweptPoint]) -> lis
 
 def _median_of(name: str) -> Callable[[SweptPoint], float | None]:
     return lambda point: point.medians[name]
+
+
+# Words
+
+
+def verdict(found: SweepSummary) -> str:
+    """How many trials converged over all, and at which points the least and the most."""
+    if not found.finished:
+        return "No trial has finished."
+    known = [point for point in found.points if point.share is not None]
+    low, high = (choose(known, key=lambda point: point.share or 0.0) for choose in (min, max))
+    whole = f"{found.converged} of {counted(found.finished, 'trial', 'trials')} converged"
+    whole += f" at {counted(len(found.points), 'point', 'points')}"
+    if low.share == high.share:
+        return f"{whole}, {percent(low.share)} at each."
+    return f"{whole}: from {_at(low)} to {_at(high)}."
+
+
+def _at(point: SweptPoint) -> str:
+    share = f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))})"
+    return f"{share} at {valued(point, labels_of(list(point.values)))}"
+
+
+def figure_name(field: str) -> str:
+    """What the figure of a field is called."""
+    return f"sweep-{slug(field)}"
 
 
 # Data

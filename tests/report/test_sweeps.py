@@ -13,8 +13,8 @@ from scipy.stats import spearmanr
 import graspdsl as g
 from graspdsl.compiler.program import program_of
 from graspdsl.report.statistics import difference_of_medians, rank_correlation
-from graspdsl.report.sweep_page import drawings_of_sweep, verdict
-from graspdsl.report.sweeps import changes_tables, correlations_table, labels_of, points_table
+from graspdsl.report.sweep_page import drawings_of_sweep
+from graspdsl.report.sweeps import changes_tables, correlations_table, labels_of, points_table, verdict
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import execute, new_run
 

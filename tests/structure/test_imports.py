@@ -178,7 +178,7 @@ def test_colours_are_known_where_something_is_shown() -> None:
 @pytest.mark.parametrize("library", ["matplotlib", "jinja2"])
 def test_only_the_report_draws(library: str) -> None:
     """A run names the type of the figures that it gives away."""
-    assert _within("report", _importers(library) - {"graspdsl.api.runs"})
+    assert _within("report", _importers(library) - {"graspdsl.api.told"})
 
 
 @pytest.mark.slow
