@@ -179,8 +179,8 @@ class SmoothSuperquadric(Surface):
 
         def nearer(u: Array, steep: Array, excess: Array, unfinished: Flags) -> tuple[Array, Array, Array, Flags]:
             lower = xp.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u)
-            *found, above = seen_from(lower)
-            return *found, above & (lower < u)  # where it does not descend any more, all is rounding
+            lower, steep, excess, unfinished = seen_from(lower)
+            return lower, steep, excess, unfinished & (lower < u)  # where it no longer descends, all is rounding
 
         steepest = (values / xp.where(slopes > 0.0, slopes, 1.0)) ** (1.0 / (self.exponent - 1.0))
         first = xp.where(slopes > 0.0, xp.minimum(above, steepest), values)
