@@ -48,7 +48,7 @@ types: $(VENV)/.installed-dev
 	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml --scripts-are-modules ../../benchmarks/*.py ../../docs/*.py ../../docs/examples/*.py
 
 unit: $(VENV)/.installed-dev
-	PYTHONDONTWRITEBYTECODE= $(BIN)/pytest -n auto --dist worksteal
+	$(BIN)/pytest -n auto --dist worksteal
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
