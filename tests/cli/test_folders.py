@@ -17,8 +17,6 @@ from typer.testing import CliRunner
 from cli.program import SPEC, TRIALS, FinishedRun, codes, graspdsl, numbers
 from graspdsl.cli.app import app
 from graspdsl.cli.tables import laid_out, text_of
-from graspdsl.report.evidence import evidence_of
-from graspdsl.report.summary import plain, summarised
 from graspdsl.report.tables import Column, Table
 from graspdsl.trials.identity import identities
 from graspdsl.trials.runner import program_of_run
@@ -140,7 +138,7 @@ def test_damaged_run(words: tuple[str, ...], damage: str, copied: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loss", ["row", "trajectory", "trajectory cut", "all trajectories"])
-def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun) -> None:
+def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRun, tmp_path: Path) -> None:
     folder = RunFolder.open(copied)
     file, whole = folder.packs.file(1), folder.trajectory(1)
     if loss == "row":
@@ -156,8 +154,8 @@ def test_what_is_lost_is_run_again(loss: str, copied: Path, finished: FinishedRu
     again = RunFolder.open(copied).trajectory(1)
     assert all(np.array_equal(again[name], rows, equal_nan=True) for name, rows in whole.items())
     assert [path.name for path in file.parent.iterdir()] == ["000000-000999.npy.gz"]
-    kept = plain(summarised(evidence_of(RunFolder.open(copied))))
-    assert numbers(json.loads(answer.stdout)) == numbers(kept) == numbers(finished.document)
+    report = graspdsl("report", "run", "--json", cwd=tmp_path)
+    assert numbers(json.loads(answer.stdout)) == numbers(json.loads(report.stdout)) == numbers(finished.document)
 
 
 @pytest.mark.slow

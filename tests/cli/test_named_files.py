@@ -48,12 +48,12 @@ def typed(command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_command_that_repeats_a_run(spec: Path, tmp_path: Path) -> None:
-    first = graspdsl("run", spec, *SHORT, "--trials", "1", "--out", "a run", "--no-report", cwd=tmp_path)
+    first = graspdsl("run", spec, *SHORT, "--trials", "1", "--out", "a run", cwd=tmp_path)
     assert first.returncode == 0, first.stderr
     shutil.rmtree(spec.parent)
     command = first.stdout.splitlines()[-1].strip()
     assert "a run/spec.yaml" in command
-    again = typed(f"{command} --out again --json --no-report", tmp_path)
+    again = typed(f"{command} --out again --json", tmp_path)
     assert again.returncode == 0, again.stderr
     before = graspdsl("report", "a run", "--json", cwd=tmp_path)
     assert numbers(json.loads(again.stdout)) == numbers(json.loads(before.stdout))

@@ -62,7 +62,7 @@ def test_results_that_cannot_be_written(words: list[str], finished: FinishedRun)
     assert answer.stderr.decode() == message
 
 
-@pytest.mark.parametrize("closed", ["--no-report >&-", "--no-report 2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_closed_streams(closed: str, finished: FinishedRun) -> None:
     command = f"'{PROGRAM}' run --resume run {closed}"
     answer = subprocess.run(command, shell=True, cwd=finished.folder.parent, capture_output=True, check=False)

@@ -111,13 +111,14 @@ def test_what_is_out_of_reach_is_infeasible() -> None:
 
 def test_unreachable_starts_are_drawn_again_and_counted() -> None:
     program = main_program("scene.mount=wam", "trials.start.yaw={choice: [0.0, 3.1415]}", "program.1.limit=1.0")
-    records = [trial.record for trial in trial_loop(program).run_all(range(3), 3)]
+    records = [trial_loop(program).run(number, 3).record for number in range(3)]
     assert all(record.start["yaw"] == 0.0 for record in records)
     assert sum(len(record.rejected) for record in records) > 0
 
 
 def test_no_joint_leaves_its_limits() -> None:
     program = main_program("scene.mount=wam", "program.1.limit=6.0")
-    for trial in trial_loop(program).run_all(range(3), 17):
-        joints = trial.trajectory["joints"]
+    loop = trial_loop(program)
+    for number in range(3):
+        joints = loop.run(number, 17).trajectory["joints"]
         assert np.maximum(LOWER - joints, joints - UPPER).max() < 0.01

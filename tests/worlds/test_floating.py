@@ -169,8 +169,9 @@ def test_starts_are_spread_over_the_surface() -> None:
 @pytest.mark.slow
 @EACH_OBJECT
 def test_trials_run_to_a_named_end(thing: str) -> None:
-    for trial in trial_loop(program(thing)).run_all(range(3), 11):
-        record = trial.record
+    loop = trial_loop(program(thing))
+    for number in range(3):
+        record = loop.run(number, 11).record
         assert record.outcome in {Outcome.CONVERGED, OUTCOMES["local-minimum"], Outcome.TIMEOUT}
         assert len(record.rejected) == 0
         assert record.object_shift == record.object_lean == 0.0
@@ -184,8 +185,8 @@ def test_trials_run_to_a_named_end(thing: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", [OBJECTS["sphere"], OBJECTS["ellipsoid"]], ids=["sphere", "ellipsoid"])
 def test_trials_on_smooth_bodies_converge(thing: str) -> None:
-    trials = trial_loop(program(thing)).run_all(range(10), 11)
-    assert [trial.record.outcome for trial in trials] == [Outcome.CONVERGED] * 10
+    loop = trial_loop(program(thing))
+    assert [loop.run(number, 11).record.outcome for number in range(10)] == [Outcome.CONVERGED] * 10
 
 
 @pytest.mark.slow
