@@ -178,7 +178,9 @@ class SmoothSuperquadric(Surface):
             return u, steep, excess, excess > 4.0 * EPSILON * values
 
         def nearer(u: Array, steep: Array, excess: Array, unfinished: Flags) -> tuple[Array, Array, Array, Flags]:
-            return seen_from(xp.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u))
+            lower = xp.where(unfinished, u - excess / (1.0 + (self.exponent - 1.0) * steep), u)
+            lower, steep, excess, unfinished = seen_from(lower)
+            return lower, steep, excess, unfinished & (lower < u)  # where it no longer descends, all is rounding
 
         steepest = (values / xp.where(slopes > 0.0, slopes, 1.0)) ** (1.0 / (self.exponent - 1.0))
         first = xp.where(slopes > 0.0, xp.minimum(above, steepest), values)

@@ -60,8 +60,9 @@ def test_what_is_composed_reads_back(first: Expression, second: Expression, thir
         one.then(two).subject_to(three),
         one.subject_to(two).then(three),
     ):
-        assert g.parse(str(formula)) == formula == g.parse(formula.ascii)
-        assert hash(g.parse(str(formula))) == hash(formula)
+        again = g.parse(str(formula))
+        assert again == formula == g.parse(formula.ascii)
+        assert hash(again) == hash(formula)
 
 
 @pytest.mark.slow

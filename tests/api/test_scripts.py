@@ -35,16 +35,21 @@ WAYS = {
 }
 
 
+@pytest.fixture(scope="module")
+def alone() -> list[str]:
+    """Of the trials of a script, run in one process, the identities."""
+    return [trial.identity for trial in g.run(SPEC, trials=4, seed=7, workers=1, progress=False).trials]
+
+
 @pytest.mark.parametrize("way", WAYS)
-def test_a_script_needs_no_guard(way: str, tmp_path: Path) -> None:
+def test_a_script_needs_no_guard(way: str, alone: list[str], tmp_path: Path) -> None:
     """It is run once, in its own process alone, and its workers give the numbers that one process gives."""
     command, typed = WAYS[way]
     (tmp_path / "script.py").write_text(SCRIPT, "utf-8")
     done = subprocess.run(command, input=typed, cwd=tmp_path, capture_output=True, encoding="utf-8", check=False)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "begun").read_text("utf-8").split() == ["once"]
-    alone = g.run(SPEC, trials=4, seed=7, workers=1, progress=False)
-    assert json.loads(done.stdout.splitlines()[-1]) == [trial.identity for trial in alone.trials]
+    assert json.loads(done.stdout.splitlines()[-1]) == alone
 
 
 def test_there_were_two_workers(tmp_path: Path) -> None:
@@ -72,7 +77,8 @@ def test_ctrl_c_stops_a_script_and_keeps_its_trials(workers: int, tmp_path: Path
     script = f"""
 import graspdsl as g
 print("first", flush=True)
-g.run({str(spec)!r}, trials=50, workers={workers}, out="run", progress=lambda record: print(record.number, flush=True))
+short = g.load({str(spec)!r}, set=["program.1.limit=1.0"])
+g.run(short, trials=50, workers={workers}, out="run", progress=lambda record: print(record.number, flush=True))
 """
     (tmp_path / "script.py").write_text(script, "utf-8")
     with subprocess.Popen(

@@ -26,16 +26,22 @@ TIMEOUT = 120.0  # s, of a command
 Stop = Callable[[subprocess.Popen[str]], None]
 
 
-def graspdsl(*words: str | Path, cwd: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
-    """What the program answers, and its exit code; with surroundings of its own it begins from nothing."""
+def graspdsl(
+    *words: str | Path, cwd: Path, env: dict[str, str] | None = None, anew: bool = False, sites: Sequence[Path] = ()
+) -> subprocess.CompletedProcess[str]:
+    """What the program answers, and its exit code.
+
+    env: of its surroundings; ``anew``: it begins from nothing, for what is looked at while it imports; sites: where
+    packages are besides.
+    """
     written = [*map(str, words)]
-    if env is None:
-        done = warm.run(written, cwd, TIMEOUT)
+    if not anew:
+        done = warm.run(written, cwd, TIMEOUT, *sites, env=env)
     else:
         done = subprocess.run(
             [str(PROGRAM), *written],
             cwd=cwd,
-            env={**os.environ, **env},
+            env={**os.environ, **(env or {})},
             capture_output=True,
             encoding="utf-8",
             timeout=TIMEOUT,

@@ -60,7 +60,7 @@ def _to_a_worker(number: signal.Signals) -> Stop:
 def _stopped(place: Path, workers: int, stop: Stop) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a run that is stopped when its first trial is finished."""
     words = ("run", CLOSE, *QUICK, "--trials", str(TRIALS), "--workers", str(workers), "--out", "the run", "--json")
-    answer = stopped(*words, cwd=place, after=f" 1/{TRIALS} ", stop=stop)
+    answer = stopped(*words, "--no-report", cwd=place, after=f" 1/{TRIALS} ", stop=stop)
     return answer.returncode, answer.stdout, answer.stderr
 
 
@@ -193,7 +193,7 @@ def test_a_bug_leaves_a_crash_log(workers: int, tmp_path: Path) -> None:
     logs = tmp_path / "logs"
     logs.mkdir()
     words = ("run", CLOSE, "--trials", "2", "--workers", str(workers), "--out", "the run", "--json")
-    answer = graspdsl(*words, cwd=tmp_path, env={"PYTHONPATH": str(broken), "TMPDIR": str(logs)})
+    answer = graspdsl(*words, cwd=tmp_path, env={"PYTHONPATH": str(broken), "TMPDIR": str(logs)}, anew=True)
     (log,) = logs.iterdir()
     assert (answer.returncode, answer.stdout) == (3, "")
     assert answer.stderr.splitlines()[-2:] == [

@@ -141,7 +141,7 @@ def test_another_seed_gives_other_numbers(finished: FinishedRun, tmp_path: Path)
 def test_the_command_that_repeats_a_run(tmp_path: Path) -> None:
     place = tmp_path / "it's [red] a place"
     settings = ("--set", "scene.friction=0.5", "--set", "trials.count=9", "--set", "evaluate=[]")
-    first = graspdsl("run", SPEC, *settings, "--trials", "1", "--out", place, cwd=tmp_path)
+    first = graspdsl("run", SPEC, *settings, "--trials", "1", "--out", place, "--no-report", cwd=tmp_path)
     command = first.stdout.splitlines()[-1].strip()
     assert command.endswith(" --set scene.friction=0.5 --set 'evaluate=[]' --trials 1 --seed 2006")
     again = graspdsl(*shlex.split(command)[1:], "--json", "--no-report", cwd=tmp_path)

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from cli.program import PROGRAM, SHORT, SPEC, FinishedRun, graspdsl
+from cli import warm
+from cli.program import PROGRAM, SHORT, SPEC, TIMEOUT, FinishedRun, graspdsl
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +43,7 @@ def test_nobody_reads_the_results(words: list[str], code: int, messages: bytes, 
 def test_a_run_goes_on_when_nobody_reads_its_messages(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    command = [PROGRAM, "run", SPEC, *SHORT, "--trials", "1", "--json"]
+    command = [PROGRAM, "run", SPEC, *SHORT, "--trials", "1", "--json", "--no-report"]
     answer = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=writer, check=False)
     os.close(writer)
     assert answer.returncode == 0
@@ -81,7 +82,9 @@ def test_ascii_only(finished: FinishedRun) -> None:
     assert set(lines[7]) == {"-"}
     assert len(lines[7]) == len(lines[6])
     assert ascii_of("explain", "φ_xr|τ_p(Γ) σ_p(Γ)").splitlines() == []
-    assert ascii_of("validate", "φ.yaml").startswith("phi.yaml: error[file-not-found]")
+    anew = graspdsl("validate", "φ.yaml", cwd=finished.folder.parent, env={"PYTHONIOENCODING": "ascii"}, anew=True)
+    assert ascii_of("validate", "φ.yaml") == anew.stdout
+    assert anew.stdout.startswith("phi.yaml: error[file-not-found]")
 
 
 def _on_a_terminal(columns: int, *words: str | Path, cwd: Path, env: dict[str, str] | None = None) -> str:
@@ -89,27 +92,27 @@ def _on_a_terminal(columns: int, *words: str | Path, cwd: Path, env: dict[str, s
     parent, child = pty.openpty()
     fcntl.ioctl(child, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     surroundings = {name: value for name, value in os.environ.items() if name not in {"COLUMNS", "NO_COLOR"}}
-    command = [str(PROGRAM), *map(str, words)]
-    with subprocess.Popen(
-        command, cwd=cwd, env={**surroundings, "TERM": "xterm", **(env or {})}, stdin=child, stdout=child, stderr=child
-    ):
-        os.close(child)
-        written = b""
-        while True:
-            try:
-                piece = os.read(parent, 4096)
-            except OSError:  # how Linux tells that nobody has the other end any more
-                break
-            if not piece:
-                break
-            written += piece
+    command = [*map(str, words)]
+    process = warm.begin(command, cwd, (child, child, child), {**surroundings, "TERM": "xterm", **(env or {})})
+    os.close(child)
+    written = b""
+    while True:
+        try:
+            piece = os.read(parent, 4096)
+        except OSError:  # how Linux tells that nobody has the other end any more
+            break
+        if not piece:
+            break
+        written += piece
     os.close(parent)
+    warm.ended(process, command, TIMEOUT)
     return written.decode().replace("\r\n", "\n")
 
 
 @pytest.mark.parametrize("columns", [30, 80])
 def test_progress_stays_on_one_line(columns: int, tmp_path: Path) -> None:
-    text = _on_a_terminal(columns, "run", SPEC, *SHORT, "--trials", "2", "--workers", "1", cwd=tmp_path)
+    words = ("run", SPEC, *SHORT, "--trials", "2", "--workers", "1", "--no-report")
+    text = _on_a_terminal(columns, *words, cwd=tmp_path)
     (line,) = [line for line in text.split("\n") if "/2" in line]
     states = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", state) for state in line.split("\r\x1b[2K")]
     counts = [next(word for word in state.split() if "/2" in word) for state in states]

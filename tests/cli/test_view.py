@@ -132,7 +132,7 @@ def test_without_a_film_maker_that_is_said(folder: RunFolder, tmp_path: Path) ->
         {"IMAGEIO_FFMPEG_EXE": "/nowhere/ffmpeg"},
         {"PYTHONPATH": str(tmp_path), "PATH": str(tmp_path), "IMAGEIO_FFMPEG_EXE": ""},
     ):
-        done = graspdsl("view", folder.path, "--video", "film.mp4", cwd=tmp_path, env=surroundings)
+        done = graspdsl("view", folder.path, "--video", "film.mp4", cwd=tmp_path, env=surroundings, anew=True)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("error[not-installed]") == 1
         assert "IMAGEIO_FFMPEG_EXE" in done.stderr
@@ -286,7 +286,7 @@ def test_without_a_display_there_is_no_window(folder: RunFolder, tmp_path: Path)
 
 
 def test_a_display_that_there_is_not_is_said(tmp_path: Path) -> None:
-    done = graspdsl("view", "--object", "ball", cwd=tmp_path, env={"DISPLAY": ":9999"})
+    done = graspdsl("view", "--object", "ball", cwd=tmp_path, env={"DISPLAY": ":9999"}, anew=True)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("ball: error[no-display]: a window cannot be opened: ")
     assert done.stderr.count("\n") == 2

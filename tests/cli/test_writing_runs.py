@@ -35,8 +35,15 @@ def _out_of_room(size: int, place: Path, *words: str | Path) -> tuple[int | None
     return run.returncode, messages
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
+    """The numbers of the run that finds room for all."""
+    words = ("run", FLOATING, "--trials", COUNT, "--out", "whole", "--json", "--no-report")
+    return numbers(json.loads(graspdsl(*words, cwd=tmp_path_factory.mktemp("whole")).stdout))
+
+
 @pytest.mark.parametrize("size", [25_000, 45_000, 150_000], ids=["no trial", "few trials", "more trials"])
-def test_a_full_disk(size: int, tmp_path: Path) -> None:
+def test_a_full_disk(size: int, whole: list[dict[str, object]], tmp_path: Path) -> None:
     code, messages = _out_of_room(size, tmp_path, "run", FLOATING, "--trials", COUNT, "--out", "run")
     assert code == 1
     assert messages.count("run: error[folder-not-writable]: cannot write to this folder: ") == 1
@@ -47,8 +54,7 @@ def test_a_full_disk(size: int, tmp_path: Path) -> None:
     assert len(folder.finished()) == len(folder.records()) < int(COUNT)
     resumed = graspdsl("run", "--resume", "run", "--json", "--no-report", cwd=tmp_path)
     assert resumed.returncode == 0, resumed.stderr
-    whole = graspdsl("run", FLOATING, "--trials", COUNT, "--out", "whole", "--json", "--no-report", cwd=tmp_path)
-    assert numbers(json.loads(resumed.stdout)) == numbers(json.loads(whole.stdout))
+    assert numbers(json.loads(resumed.stdout)) == whole
 
 
 @pytest.mark.parametrize("size", [100, 5_000], ids=["no spec", "no table"])

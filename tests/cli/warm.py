@@ -29,29 +29,50 @@ SPEC = Path(__file__).with_name("towel_roll_two_contacts.yaml")
 PROGRAM = Path(sys.executable).with_name("graspdsl")
 
 
-def run(words: list[str], cwd: Path, timeout: float, *sites: Path) -> subprocess.CompletedProcess[str]:
-    """What the program answers, and its exit code; ``sites``: where packages are besides, as PYTHONPATH says."""
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        places = [str(site) for site in sites]
-        surroundings = {**os.environ, **({"PYTHONPATH": os.pathsep.join(places)} if places else {})}
-        request = json.dumps({"words": words, "cwd": str(cwd), "env": surroundings, "sites": places}).encode()
-        channel = _channel()
-        socket.send_fds(channel, [request], [out.fileno(), err.fileno()])
-        child = json.loads(channel.recv(MOST))
-        channel.settimeout(timeout)
-        try:
-            code = json.loads(channel.recv(MOST))
-        except TimeoutError:
-            os.kill(child, signal.SIGKILL)
-            raise subprocess.TimeoutExpired(words, timeout) from None
-        finally:
-            channel.settimeout(None)
+def run(
+    words: list[str], cwd: Path, timeout: float, *sites: Path, env: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """What the program answers, and its exit code.
+
+    sites: where packages are besides, as PYTHONPATH says; env: what its surroundings have besides those of the tests.
+    """
+    with open(os.devnull, "rb") as nothing, tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        child = begin(words, cwd, (nothing.fileno(), out.fileno(), err.fileno()), {**os.environ, **(env or {})}, *sites)
+        code = ended(child, words, timeout)
         texts = []
         for file in (out, err):
             file.seek(0)
             # Line ends as a pipe that is read as text gives them.
             texts.append(file.read().decode("utf-8").replace("\r\n", "\n").replace("\r", "\n"))
     return subprocess.CompletedProcess([str(PROGRAM), *words], code, *texts)
+
+
+def begin(
+    words: list[str], cwd: Path, streams: tuple[int, int, int], surroundings: dict[str, str], *sites: Path
+) -> int:
+    """Have a command begin with these for its standard streams; its process. The next begins when it has ended."""
+    places = [str(site) for site in sites]
+    whole = {**surroundings, **({"PYTHONPATH": os.pathsep.join(places)} if places else {})}
+    request = json.dumps({"words": words, "cwd": str(cwd), "env": whole, "sites": places}).encode()
+    socket.send_fds(_channel(), [request], streams)
+    child: int = json.loads(_channel().recv(MOST))
+    return child
+
+
+def ended(child: int, words: list[str], timeout: float) -> int:
+    """The exit code of the command that has begun."""
+    channel = _channel()
+    channel.settimeout(timeout)
+    try:
+        code: int = json.loads(channel.recv(MOST))
+    except TimeoutError:
+        os.kill(child, signal.SIGKILL)
+        channel.settimeout(None)
+        channel.recv(MOST)  # that it was killed
+        raise subprocess.TimeoutExpired(words, timeout) from None
+    finally:
+        channel.settimeout(None)
+    return code
 
 
 @cache
@@ -88,13 +109,13 @@ def _warm_up() -> None:
 def _serve(channel: socket.socket) -> dict[str, Any] | None:
     """In the process that waits: None when nobody asks any more; in a child: what it was asked, its streams open."""
     while True:
-        request, files, _, _ = socket.recv_fds(channel, MOST, 2)
+        request, files, _, _ = socket.recv_fds(channel, MOST, 3)
         if not request:
             return None
         child = os.fork()
         if child == 0:
             channel.close()
-            for number, file in enumerate(files, 1):
+            for number, file in enumerate(files):
                 os.dup2(file, number)
                 os.close(file)
             asked: dict[str, Any] = json.loads(request)
@@ -113,8 +134,10 @@ if __name__ == "__main__":
         os.environ.clear()
         os.environ.update(asked["env"])
         os.chdir(asked["cwd"])
-        sys.stdout = os.fdopen(1, "w", encoding="utf-8", errors="strict", closefd=False)
-        sys.stderr = os.fdopen(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False, buffering=1)
+        coding = os.environ.get("PYTHONIOENCODING", "utf-8")
+        shown = 1 if os.isatty(1) else -1  # a line at a time
+        sys.stdout = os.fdopen(1, "w", encoding=coding, errors="strict", closefd=False, buffering=shown)
+        sys.stderr = os.fdopen(2, "w", encoding=coding, errors="backslashreplace", closefd=False, buffering=1)
         sys.argv = [str(PROGRAM), *asked["words"]]
         sys.path[:1] = [str(PROGRAM.parent), *asked["sites"]]
         from graspdsl.cli import main

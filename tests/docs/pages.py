@@ -17,6 +17,7 @@ import contextlib
 import io
 import re
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,8 +63,8 @@ def blocks_of(text: str) -> list[Block]:
     return found
 
 
-def run_page(text: str, folder: Path, env: dict[str, str] | None = None) -> None:
-    """Run the blocks of a page in a folder, in which the process is; commands with an environment of their own."""
+def run_page(text: str, folder: Path, sites: Sequence[Path] = ()) -> None:
+    """Run the blocks of a page in a folder, in which the process is; ``sites``: where packages are besides."""
     blocks = blocks_of(text)
     for block in reversed(blocks):
         if block.file:
@@ -75,7 +76,7 @@ def run_page(text: str, folder: Path, env: dict[str, str] | None = None) -> None
         elif block.file:
             (folder / block.file).write_text(block.text, "utf-8")
         elif block.language == "sh":
-            printed = _commanded(block, folder, env)
+            printed = _commanded(block, folder, sites)
         elif block.language == "python" and not block.mark:
             printed = _executed(block.text, names)
         elif block.language == "text" and ran == "sh":
@@ -104,12 +105,12 @@ def known(block: Block) -> None:
         command.make_context(name, words)
 
 
-def _commanded(block: Block, folder: Path, env: dict[str, str] | None) -> str:
+def _commanded(block: Block, folder: Path, sites: Sequence[Path]) -> str:
     assert block.commands, f"nothing here is run: {block.text}"
     said = ""
     for place, words in enumerate(block.commands, 1):
         into = words[-1] if words[-2:-1] == [">"] else None
-        done = graspdsl(*words[:-2] if into else words, cwd=folder, env=env)
+        done = graspdsl(*words[:-2] if into else words, cwd=folder, sites=sites)
         if into:
             (folder / into).write_text(done.stdout, "utf-8")
         said = done.stderr if into else done.stdout + done.stderr

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import runpy
 import tomllib
@@ -55,8 +54,8 @@ def test_a_page_has_an_example_its_entry_points_and_its_rules(page: str) -> None
 
 
 @pytest.fixture(scope="module")
-def surroundings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Those of a process in which the stranger's package is installed, as an installer notes it."""
+def sites(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Where the stranger's package is installed, as an installer notes it."""
     project = tomllib.loads((STRANGER / "pyproject.toml").read_text("utf-8"))["project"]
     name, version = project["name"], project["version"]
     site = tmp_path_factory.mktemp("site")
@@ -69,11 +68,11 @@ def surroundings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         for line in (f"[{group}]", *(f"{entry} = {value}" for entry, value in entries.items()))
     ]
     (noted / "entry_points.txt").write_text("\n".join(lines), "utf-8")
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(STRANGER / "src")])}
+    return [site, STRANGER / "src"]
 
 
 @pytest.mark.slow
 @EACH_PAGE
-def test_commands_run(page: str, surroundings: dict[str, str], tmp_path: Path) -> None:
+def test_commands_run(page: str, sites: list[Path], tmp_path: Path) -> None:
     """In their order, in a folder with the specs of the page; they have something to say and nothing to complain of."""
-    run_page(PAGES[page], tmp_path, surroundings)
+    run_page(PAGES[page], tmp_path, sites)

@@ -59,6 +59,12 @@ def page(evidence: Evidence, **shown: Any) -> str:
     return page_of(evidence, summary, drawings_of(evidence, summary), **shown)
 
 
+@pytest.fixture(scope="module")
+def shown(floating: Evidence) -> str:
+    """The page of that run."""
+    return page(floating)
+
+
 def write_report(evidence: Evidence) -> Path:
     """The page of a run and its figures, written."""
     return write_report_of(evidence, summarised(evidence))
@@ -82,8 +88,8 @@ def lowered(text: str) -> str:
     return re.sub(r"([ρε])_", r"\1", text)
 
 
-def test_the_page_says_whether_it_worked_and_where_grasps_ended(floating: Evidence) -> None:
-    numbers, text = plain(summarised(floating)), read(page(floating)).text
+def test_the_page_says_whether_it_worked_and_where_grasps_ended(floating: Evidence, shown: str) -> None:
+    numbers, text = plain(summarised(floating)), read(shown).text
     good = numbers["outcomes"]["converged"]
     low, high = wilson(good, 8)
     assert f"{good} of 8 trials converged: {good / 8:.0%}".replace("%", " %") in text
@@ -98,9 +104,9 @@ def test_the_page_says_whether_it_worked_and_where_grasps_ended(floating: Eviden
     assert all(f"{name} {version}" in text for name, version in numbers["versions"].items())
 
 
-def test_the_funnel_tells_the_bandwidths_of_its_densities(floating: Evidence) -> None:
+def test_the_funnel_tells_the_bandwidths_of_its_densities(floating: Evidence, shown: str) -> None:
     """Silverman's rule, by the records alone; contacts that float all touch at the end."""
-    told = re.search(r"bandwidth ([\d.]+) rad before and ([\d.]+) rad after", read(page(floating)).text)
+    told = re.search(r"bandwidth ([\d.]+) rad before and ([\d.]+) rad after", read(shown).text)
     assert told is not None
     for width, field in zip(told.groups(), ("orientation_start", "orientation_end"), strict=True):
         values = np.array([getattr(record, field) for record in floating.records])
@@ -108,16 +114,16 @@ def test_the_funnel_tells_the_bandwidths_of_its_densities(floating: Evidence) ->
         assert float(width) == pytest.approx(max(0.05, 0.9 * spread * len(values) ** -0.2), abs=5e-4)
 
 
-def test_sections_come_in_their_order(floating: Evidence) -> None:
-    text = page(floating)
+def test_sections_come_in_their_order(shown: str) -> None:
+    text = shown
     order = ("worked", "funnel-section", "residuals", "outcomes", "sensing", "priorities", "repeat", "trials")
     places = [text.index(f'<section id="{name}">') for name in order]
     assert places == sorted(places)
     assert '<section id="quality">' not in text
 
 
-def test_every_trial_has_a_row_with_what_it_sorts_by(floating: Evidence) -> None:
-    rows = re.findall(r"<tr>(.*?)</tr>", page(floating).split('<section id="trials">')[1], re.DOTALL)[1:]
+def test_every_trial_has_a_row_with_what_it_sorts_by(floating: Evidence, shown: str) -> None:
+    rows = re.findall(r"<tr>(.*?)</tr>", shown.split('<section id="trials">')[1], re.DOTALL)[1:]
     assert len(rows) == len(floating.records)
     for row, record in zip(rows, floating.records, strict=True):
         keys = [float(key) for key in re.findall(r'data-key="([^"]*)"', row)]
@@ -233,13 +239,13 @@ def test_a_picture_of_a_trial_for_each_outcome(floating: Evidence) -> None:
     assert len(others) == len(summarised(floating).outcomes) - 1
 
 
-def test_claims_are_shown_with_what_was_measured(floating: Evidence) -> None:
+def test_claims_are_shown_with_what_was_measured(floating: Evidence, shown: str) -> None:
     said = ("<1> one mode", "Fig. 1", "all", "90 %", "so", "two")
     row = Claim("experiment-1", *said, Verdict.DIFFERS, None, "friction", "slippery")
     text = read(page(floating, claims=[dataclasses.replace(row, verdict=verdict) for verdict in Verdict])).text
     cells = (said[0], said[2], said[3], said[5], Verdict.DIFFERS.mark, "friction")
     assert re.search(r"\s*".join(map(re.escape, cells)), text)
-    assert all(verdict.mark in text and verdict.mark not in page(floating) for verdict in Verdict)
+    assert all(verdict.mark in text and verdict.mark not in shown for verdict in Verdict)
 
 
 def test_quality_is_shown_side_by_side(floating: Evidence) -> None:

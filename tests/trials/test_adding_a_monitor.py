@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import compileall
 import json
 import os
 import shutil
@@ -48,6 +49,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "from graspdsl.spec.watching", "from graspdsl.spec.twist import TwistMonitor\nfrom graspdsl.spec.watching", 1
     )
     table.write_text(text, "utf-8")
+    assert compileall.compile_dir(place, quiet=1)
     return place
 
 
@@ -77,14 +79,15 @@ def test_it_stands_in_the_schema(package: Path) -> None:
     ],
 )
 def test_it_is_checked_as_all_are(package: Path, line: str, code: int, said: str) -> None:
-    found = answer(package, "run", SPEC, "--set", line, "--trials", "1", "--out", package / line)
+    words = ("run", SPEC, "--set", line, "--trials", "1", "--out", package / line, "--no-report")
+    found = answer(package, *words)
     assert found.returncode == code, found.stderr
     assert said in found.stderr
 
 
 def test_it_ends_trials_and_its_outcome_is_told(package: Path) -> None:
     words = ("run", SPEC, "--set", "monitors.twist=0.02", "--trials", "12", "--out", package / "run")
-    found = answer(package, *words, "--json")
+    found = answer(package, *words, "--json", "--no-report")
     assert found.returncode == 0, found.stderr
     assert json.loads(found.stdout)["outcomes"]["twisted"] > 0
     told = answer(package, "report", package / "run").stdout

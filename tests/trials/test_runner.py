@@ -137,7 +137,7 @@ def test_a_trial_that_ends_or_stops_its_process_has_crashed(tmp_path: Path) -> N
     assert summary.count(Outcome.CRASHED) == 2
 
 
-def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_workers_know_of_few_trials(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What a trial costs this process does not depend on how many wait: it gives out as many as run side by side."""
     given: list[int] = []
 
@@ -153,6 +153,8 @@ def test_workers_know_of_few_trials(folder: RunFolder, monkeypatch: pytest.Monke
             raise KeyError
 
     seen: list[int] = []
+    short = (f"trials.count={COUNT}", "scene.world=mujoco", "program.1.limit=1.0")
+    folder = new_run(tmp_path / "run", program_of(SPEC.read_text("utf-8"), SPEC.name, short))
     monkeypatch.setattr("graspdsl.trials.runner.pending", lambda *_: Pending(range(100_000)))
     with pytest.raises(KeyError):
         execute(folder, 2, look)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from compiler.specs import floating
 
-from graspdsl.arrays import Array, Flags
+from graspdsl.arrays import Array, Flags, Rows
 from graspdsl.compiler.pipeline import Pipeline
 from graspdsl.compiler.program import Program, program_of
 from graspdsl.objects.cylinder import RoundedCylinder
@@ -16,6 +17,7 @@ from graspdsl.objects.shapes import catalogue
 from graspdsl.objects.sphere import SmoothSphere
 from graspdsl.objects.surfaces.surface import Surface
 from graspdsl.trials.course import Course
+from graspdsl.trials.measures import GraspMeasure
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.side_by_side import SideBySide, over
 from graspdsl.trials.stages import stages_of
@@ -124,19 +126,25 @@ def kept(formula: str, count: int, surface: Surface) -> Flags:
     """Whether both residuals are low over the last of all steps, (STARTS,), of controllers that never end."""
     never = f"force_residual: {LOW['force_residual']}, moment_residual: 1e-300, hold: {(HOLD - 1) / RATE!r}"
     made, points = program(formula, contacts(count), until=never, steps=STEPS), starts(surface)
-    low = []
-    for first in range(0, len(points), 100):
-        world = FloatingWorld(made.robot.contacts, surface, 0.0)
-        world.place(points[first : first + 100])
-        course = Course(made, stages_of(made), world.info, 100)
-        beside = SideBySide(course, world, over)
-        beside.begin(len(points[first : first + 100]))
-        for place, (ending, _) in beside.run():
-            assert ending.outcome in (Outcome.TIMEOUT, Outcome.UNDONE)  # time was up
-            rows = course.log.trajectory(place)
-            ended = {name: rows[name][-HOLD:] for name in LOW}
-            low.append(all(np.all(ended[name] < bound) for name, bound in LOW.items()))
-    return np.array(low)
+    world = FloatingWorld(made.robot.contacts, surface, 0.0)
+    world.place(points)
+    course = Course(made, stages_of(made), world.info, len(points), trajectories=False)
+    write, high = course.log.write, np.full(len(points), -1)  # at which tick a residual was not low, the last time
+
+    def watched(tick: Rows, trials: Rows, *told: Any) -> GraspMeasure:
+        now = write(tick, trials, *told)
+        low = (now.force_residual < LOW["force_residual"]) & (now.moment_residual < LOW["moment_residual"])
+        high[trials[~low]] = tick[~low]
+        return now
+
+    course.log.write = watched
+    beside = SideBySide(course, world, over)
+    beside.begin(len(points))
+    low = np.zeros(len(points), dtype=bool)
+    for place, (ending, _) in beside.run():
+        assert ending.outcome in (Outcome.TIMEOUT, Outcome.UNDONE)  # time was up
+        low[place] = course.log.last[place] - high[place] >= HOLD
+    return low
 
 
 def degrees_between(one: Array, other: Array) -> Array:
