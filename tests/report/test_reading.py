@@ -6,10 +6,14 @@ from pathlib import Path
 
 import pytest
 from stored_runs import lose_trajectory, stored_run
+from typer.testing import CliRunner
 
 from graspdsl.api.runs import opened
+from graspdsl.cli.app import app
 from graspdsl.report.evidence import MOST_COURSES, evidence_of
+from graspdsl.report.writing import PAGE
 from graspdsl.trials import store
+from graspdsl.trials.record import PackedTrial
 from graspdsl.trials.replay import Replay
 from graspdsl.trials.store import RunFolder
 
@@ -68,3 +72,15 @@ def test_of_very_many_trials_some_courses_are_read(made: RunFolder, monkeypatch:
     assert MOST_COURSES >= COUNT
     monkeypatch.setattr("graspdsl.report.evidence.MOST_COURSES", COUNT // 2)
     assert list(evidence_of(made).courses) == [0, 2]
+
+
+def test_the_page_of_a_finished_run_is_made_anew_only_where_trials_have_come_since(tmp_path: Path) -> None:
+    folder = stored_run(tmp_path / "run", SPEC, "trials.count=2")
+    page, words = folder.path / PAGE, ["run", "--resume", str(folder.path)]
+    for left in (False, True):
+        page.write_text("as it was left", "utf-8")
+        if not left:
+            folder.add(PackedTrial(folder.records()[1], folder.packs.content(folder.pieces(1)[0])))
+        answer = CliRunner().invoke(app, words)
+        assert answer.stderr.endswith(f"report: {page}\n")
+        assert (page.read_text("utf-8") == "as it was left") is left
