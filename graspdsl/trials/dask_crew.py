@@ -40,6 +40,7 @@ from graspdsl.trials.workers import (
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 PATIENCE = 10  # s, for a scheduler to answer
 EXPECTED = 16  # workers, of a cluster that has none yet and may grow
+PROFILER = "distributed.worker.profile.enabled"  # which looks at what workers do, every hundredth of a second
 LOGGERS = ("distributed", "distributed.client")
 
 
@@ -100,13 +101,14 @@ class DaskCrew:
                 # Processes that it starts later are to be as those that it starts now.
                 stack.enter_context(without_script())
                 _track_silently()
-                with sheltered():
+                settings = importlib.import_module("dask").config
+                with sheltered(), settings.set({PROFILER: False}):
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
                         threads_per_worker=1,
                         processes=True,
                         memory_limit=None,
-                        dashboard_address=":0",
+                        dashboard_address=None,
                         silence_logs=logging.CRITICAL,
                     )
                 stack.enter_context(cluster)
