@@ -40,7 +40,8 @@ from graspdsl.trials.workers import (
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 PATIENCE = 10  # s, for a scheduler to answer
 EXPECTED = 16  # workers, of a cluster that has none yet and may grow
-PROFILER = "distributed.worker.profile.enabled"  # which looks at what workers do, every hundredth of a second
+# Without looks at what workers do, every hundredth of a second, and with fewer at whether all still answer.
+LEAN = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
 LOGGERS = ("distributed", "distributed.client")
 
 
@@ -102,13 +103,13 @@ class DaskCrew:
                 stack.enter_context(without_script())
                 _track_silently()
                 settings = importlib.import_module("dask").config
-                with sheltered(), settings.set({PROFILER: False}):
+                with sheltered(), settings.set(LEAN):
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
                         threads_per_worker=1,
                         processes=True,
                         memory_limit=None,
-                        dashboard_address=None,
+                        dashboard_address=":0",
                         silence_logs=logging.CRITICAL,
                     )
                 stack.enter_context(cluster)
