@@ -483,6 +483,8 @@ def engines(
     trials: Trials = None,
     seed: Seed = None,
     workers: Workers = None,
+    engine: Shared = Engine.LOCAL,
+    scheduler: Scheduler = None,
     out: Annotated[
         Path | None,
         typer.Option(parser=named, metavar="DIR", help="Where the runs go; one begun there before goes on."),
@@ -497,7 +499,8 @@ def engines(
         from graspdsl.cli.several import Asked
 
         options = (*(("--worlds", worlds) if worlds is not None else ()), *(("--plain",) if plain else ()))
-        given = ((spec,), tuple(settings), trials, seed, workers, out, as_json, allow_code, options)
+        sharing = _sharing(workers, engine, scheduler)
+        given = ((spec,), tuple(settings), trials, seed, sharing, out, as_json, allow_code, options)
         names = None if worlds is None else worlds.split(",")
         code = run_engines(Asked("engines", *given), names, finer=not plain)
     raise typer.Exit(code)

@@ -19,6 +19,7 @@ from graspdsl.diagnostics import Diagnostic, DiagnosticError, Severity, on_one_l
 from graspdsl.places.files import read_text
 from graspdsl.report.experiment_setups import departure
 from graspdsl.report.summary import plain
+from graspdsl.report.writing import PAGE, is_current
 from graspdsl.trials.folders import fresh_folder
 from graspdsl.trials.interruption import INTERRUPTED, interruption
 from graspdsl.trials.runner import execute, new_run
@@ -75,7 +76,10 @@ def finish(run: Run | Sweep, workers: Workers, as_json: bool, *, page: bool) -> 
     with keeping(run.path, *words):
         code = carried_on(run, workers, *words)
         if code == 0:
-            show(run, as_json, page=page)
+            current = page and is_current(run.path)
+            show(run, as_json, page=page and not current)
+            if current:
+                say(f"report: {on_one_line(str(run.path / PAGE))}")
     return code
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,17 +28,15 @@ class ResidualCourse:
     """The residuals of a trial from where its controller took over, one value a tick or probe.
 
     time [s] since then, force ‖ρ_f‖ (1) and moment ‖ρ_m‖ [m]: (n,) each, empty where the controller never took over,
-    of a trajectory of which the ends alone are kept, and of all but MOST_COURSES trials, spread evenly over a run. A
-    residual that could not be measured, or was not kept, is the one before it. ``touching``: whether every contact of
-    the grasp touched at the last row of the trial, by the simulator's truth and not as the hand senses it. ``on_top``:
-    whether the normal of one was nearer to the object's axis there than at right angles to it. ``stage`` (n,) and what
-    was seen of the ``disturbance`` (n, levels) of its priorities, NaN where nothing was.
+    or of a trajectory of which the ends alone are kept. A residual that could not be measured, or was not kept, is the
+    one before it. ``on_top``: whether the normal of a contact of the grasp was nearer to the object's axis at the last
+    row than at right angles to it. ``stage`` (n,) and what was seen of the ``disturbance`` (n, levels) of its
+    priorities, NaN where nothing was.
     """
 
     time: Array
     force: Array
     moment: Array
-    touching: bool
     on_top: bool = False
     stage: Array = field(default_factory=lambda: np.zeros(0))
     disturbance: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -55,20 +55,20 @@ class ResidualCourse:
 
 @dataclass(frozen=True)
 class Evidence:
-    """A run to be reported. ``courses`` by trial number, without those that were not kept or are ``lost``: trials that
-    were measured, but whose trajectories cannot be read."""
+    """A run to be reported. ``lost``: trials that were measured, but whose trajectories are not as they were written.
+    ``courses`` by trial number, of at most MOST_COURSES trials, spread evenly over a run, without those that were not
+    kept or are lost."""
 
     folder: RunFolder
     program: Program
     records: tuple[TrialRecord, ...]
-    courses: dict[int, ResidualCourse]
+    courses: Mapping[int, ResidualCourse]
     lost: frozenset[int]
     pieces: Mapping[int, Piece] = field(default_factory=dict)  # where trajectories are, by trial
 
     def touching(self, record: TrialRecord) -> bool | None:
         """Whether every contact of the grasp truly touched at the end of a trial; None where that is not known."""
-        course = self.courses.get(record.number)
-        return None if course is None else course.touching
+        return None if record.number in self.lost else record.in_contact
 
     def trajectory(self, number: int) -> Rows | None:
         """The arrays of a trial, none where it had no tick; None where they were not kept or cannot be read."""
@@ -88,18 +88,39 @@ def evidence_of(
     Raises DiagnosticError when its records or its spec cannot be read.
     """
     program, records = program or program_of_run(folder), tuple(folder.records() if records is None else records)
-    read, pieces = _CourseReader(program), {piece.number: piece for piece in folder.pieces()}
-    layout, each = Layout.of(program), math.ceil(len(records) / MOST_COURSES)
-    courses, lost = dict[int, ResidualCourse](), set[int]()
-    for place, record in enumerate(records):
-        try:
-            rows = folder.unpacked(pieces.get(record.number, absent(record.number)), layout)
-        except DiagnosticError:
-            lost |= {record.number} if math.isfinite(record.force_residual_end) else set()
-            continue
-        if rows:  # the trial had a tick
-            courses[record.number] = read(record, rows, curves=place % each == 0)
-    return Evidence(folder, program, records, courses, frozenset(lost), pieces)
+    found = folder.pieces()
+    whole, pieces = folder.packs.whole(found), {piece.number: piece for piece in found}
+    measured = (record.number for record in records if math.isfinite(record.force_residual_end))
+    courses = _Courses(folder, program, records[:: math.ceil(len(records) / MOST_COURSES) or 1], pieces)
+    return Evidence(folder, program, records, courses, frozenset(measured) - whole, pieces)
+
+
+class _Courses(Mapping[int, ResidualCourse]):
+    """The courses of trials, read once one of them is wanted, for what is said of a run can mostly do without."""
+
+    def __init__(
+        self, folder: RunFolder, program: Program, records: Iterable[TrialRecord], pieces: Mapping[int, Piece]
+    ) -> None:
+        self._folder, self._program, self._records, self._pieces = folder, program, records, pieces
+
+    def __getitem__(self, number: int) -> ResidualCourse:
+        return self._read[number]
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._read)
+
+    def __len__(self) -> int:
+        return len(self._read)
+
+    @cached_property
+    def _read(self) -> dict[int, ResidualCourse]:
+        reader, layout, courses = _CourseReader(self._program), Layout.of(self._program), dict[int, ResidualCourse]()
+        for record in self._records:
+            with suppress(DiagnosticError):
+                rows = self._folder.unpacked(self._pieces.get(record.number, absent(record.number)), layout)
+                if rows:  # the trial had a tick
+                    courses[record.number] = reader(record, rows)
+        return courses
 
 
 class _CourseReader:
@@ -108,18 +129,17 @@ class _CourseReader:
         self._major_axis = np.array(program.body.major_axis)
         self._curves = program.spec.trials.keep != ENDS
 
-    def __call__(self, record: TrialRecord, rows: Rows, *, curves: bool) -> ResidualCourse:
+    def __call__(self, record: TrialRecord, rows: Rows) -> ResidualCourse:
         grasp = self._contacts[int(rows["phase"][-1])]
-        touched = bool(np.isfinite(rows["forces"][-1, grasp]).all())  # a contact that does not touch has none
         axial = np.abs(rows["normals"][-1, grasp] @ (rows["object_rotation"][-1] @ self._major_axis))
         # The controller's samples are the last ticks, from where it takes over from the guarded close.
         ticks = rows[TICK].astype(np.intp)
         count = int(ticks[-1]) + 1
-        begun = count - min(record.samples, count) if curves and self._curves else count
+        begun = count - min(record.samples, count) if self._curves else count
         kept = np.searchsorted(ticks, np.arange(begun, count), side="right") - 1
         time, force, moment, stage, disturbance = (rows[name][kept].astype(np.float64) for name in _CURVES)
         on_top = bool(axial.max(initial=0.0) > math.sqrt(0.5))
-        return ResidualCourse(time - time[:1], _held(force), _held(moment), touched, on_top, stage, disturbance)
+        return ResidualCourse(time - time[:1], _held(force), _held(moment), on_top, stage, disturbance)
 
 
 _CURVES = "time", "force_residual", "moment_residual", "stage", "observed_disturbance"

@@ -28,7 +28,6 @@ from graspdsl.report.summary import Summary
 from graspdsl.report.templating import rendered
 from graspdsl.report.wording import conditions, counted, feasible, percent, percents, repetition
 from graspdsl.report.writing import FIGURES, PAGE, replace
-from graspdsl.spec.keeping import NONE
 from graspdsl.trials.outcomes import OUTCOMES, Outcome
 from graspdsl.trials.record import TrialRecord
 
@@ -186,8 +185,7 @@ def _reason(evidence: Evidence, record: TrialRecord) -> str:
     if record.outcome is Outcome.INFEASIBLE_START:
         return "no start was feasible"
     if touching is None:
-        kept = evidence.program.spec.trials.keep != NONE
-        return f"nothing was recorded of the end, or its trajectory {'cannot be read' if kept else 'was not kept'}"
+        return "nothing was recorded of the end, or its trajectory cannot be read"
     if not touching:
         return "a contact did not touch at the end"
     if not math.isfinite(record.orientation_end):

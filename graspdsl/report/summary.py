@@ -102,7 +102,7 @@ class Summary:
     Of ``finished`` trials so many ``different`` ones can differ from one another, the others repeat them; shares carry
     Wilson intervals of 95 %, which take all as independent; those of modes know that the modes were found in the same
     trials. By trial, in the order of the records: whether the hand felt all contacts at any time (``in_contact_start``)
-    and whether all truly touched at the last tick (``_end``, None where there is no trajectory), and orientations.
+    and whether all truly touched at the last tick (``_end``, None where that is not known), and orientations.
     ``lost``: trials, by number, whose trajectories cannot be read; they are in no mode and in no stage. Residuals are
     medians of ‖ρ_f‖ (1) and ‖ρ_m‖ [m], squared of ε = ρᵀρ; modes are of trials that settled with all contacts touching,
     those ``stopped`` before are apart. ``stages`` are those of a program that has 'a then b'; ``known`` is what holds

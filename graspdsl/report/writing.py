@@ -9,8 +9,17 @@ from pathlib import Path
 from graspdsl.diagnostics import Diagnostic, DiagnosticError
 from graspdsl.trials.folders import unwritable
 from graspdsl.trials.interruption import interruption
+from graspdsl.trials.store import TABLE
 
 PAGE, FIGURES = "report.html", "figures"  # of a run
+
+
+def is_current(folder: Path) -> bool:
+    """Whether the page in the folder of a run was made after the last of its trials was kept."""
+    try:
+        return (folder / PAGE).stat().st_mtime_ns > (folder / TABLE).stat().st_mtime_ns
+    except OSError:
+        return False
 
 
 def prepare(folder: Path, files: Mapping[str, str | bytes]) -> None:

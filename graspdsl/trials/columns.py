@@ -29,6 +29,8 @@ _UNITS: Mapping[str, str] = {
     "force_residual_end": "1",
     "moment_residual_start": "m",
     "moment_residual_end": "m",
+    "contact_forces": "N",
+    "touching": "1",
     "object_shift": "m",
     "object_lean": "rad",
     "ticks": "1",
@@ -57,11 +59,11 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
     """The records of a program's trials by columns, named as in a record, in SI units; NaN where there is no number.
 
     What has parts has a column each: ``start.roll`` and whatever else was drawn; ``contact_forces.finger-1``, by the
-    contacts that all phases control, or by their places, ``contact_forces.1``, where phases control others;
-    ``point_error.p50`` and ``.p95``; ``balance.contacts.fx`` to ``.mz``, and so of links, table and gravity;
-    ``priorities.1.φ_f.predicted`` and ``.observed``: the largest disturbances of the level φ_f in stage 1, counted from
-    0; ``quality.force-closure.closed``, 1 or 0, and the numbers of the other grades. ``rejected`` counts the draws of a
-    start that could not be taken up.
+    contacts that all phases control, or by their places, ``contact_forces.1``, where phases control others, and so
+    ``touching``, 1 or 0; ``point_error.p50`` and ``.p95``; ``balance.contacts.fx`` to ``.mz``, and so of links, table
+    and gravity; ``priorities.1.φ_f.predicted`` and ``.observed``: the largest disturbances of the level φ_f in stage 1,
+    counted from 0; ``quality.force-closure.closed``, 1 or 0, and the numbers of the other grades. ``rejected`` counts
+    the draws of a start that could not be taken up.
     """
     found: dict[str, Column] = {}
     for field in dataclasses.fields(TrialRecord):
@@ -69,17 +71,17 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
         match name:
             case "start":
                 found |= _starts(program, values)
-            case "contact_forces":
+            case "contact_forces" | "touching":
                 for place, contact in enumerate(_contacts(program, values)):
-                    pressed = (forces[place] if place < len(forces) else None for forces in values)
-                    found[f"{name}.{contact}"] = _numbers(pressed, "N")
+                    known = (of_contacts[place] if place < len(of_contacts) else None for of_contacts in values)
+                    found[f"{name}.{contact}"] = _numbers(known, _UNITS[name])
             case "point_error" | "normal_error":
                 for place, percentile in enumerate(PERCENTILES):
                     found[f"{name}.{percentile}"] = _numbers((pair[place] for pair in values), _UNITS[name])
             case "balance":
                 for party, (place, (part, unit)) in product(PARTIES, enumerate(_LOADS.items())):
-                    known = (balance and getattr(balance, party)[place] for balance in values)
-                    found[f"{name}.{party}.{part}"] = _numbers(known, unit)
+                    loads = (balance and getattr(balance, party)[place] for balance in values)
+                    found[f"{name}.{party}.{part}"] = _numbers(loads, unit)
             case "priorities":
                 found |= _priorities(program, values)
             case "quality":
@@ -118,12 +120,12 @@ def _priorities(program: Program, trials: Sequence[Sequence[Disturbance]]) -> di
     return found
 
 
-def _contacts(program: Program, forces: Sequence[Sequence[float]]) -> Sequence[str]:
-    """What the places of contact forces are called."""
+def _contacts(program: Program, of_contacts: Sequence[Sequence[float]]) -> Sequence[str]:
+    """What the places of numbers of contacts are called."""
     controlled = {phase.grasp.contacts for phase in program.phases}
     if len(controlled) == 1:
         return [program.robot.contacts[contact] for contact in controlled.pop()]
-    return [str(place + 1) for place in range(max(map(len, forces), default=0))]
+    return [str(place + 1) for place in range(max(map(len, of_contacts), default=0))]
 
 
 def _grades(program: Program, graded: Sequence[Mapping[str, Mapping[str, Any]]]) -> dict[str, Column]:

@@ -41,6 +41,8 @@ from graspdsl.trials.workers import (
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 PATIENCE = 10  # s, for a scheduler to answer
 EXPECTED = 16  # workers, of a cluster that has none yet and may grow
+# Without looks at what workers do, every hundredth of a second, and with fewer at whether all still answer.
+LEAN = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
 LOGGERS = ("distributed", "distributed.client")
 
 
@@ -101,7 +103,8 @@ class DaskCrew:
                 # Processes that it starts later are to be as those that it starts now.
                 stack.enter_context(without_script())
                 _track_silently()
-                with sheltered():
+                settings = importlib.import_module("dask").config
+                with sheltered(), settings.set(LEAN):
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
                         threads_per_worker=1,

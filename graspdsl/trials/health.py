@@ -15,12 +15,12 @@ from graspdsl.diagnostics import DiagnosticError
 from graspdsl.trials.folders import is_locked, locked, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.interruption import interruption
-from graspdsl.trials.migrations import OF_ONE_TRIAL, is_of_earlier_layout, migrate
+from graspdsl.trials.migrations import OF_ONE_TRIAL, migrate
 from graspdsl.trials.packs import DamagedPieceError, Piece
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.rows import COLUMNS
 from graspdsl.trials.runner import program_of_run
-from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder, layout_of
+from graspdsl.trials.store import TABLE, TRAJECTORIES, RunFolder, is_of_earlier_layout, layout_of
 from graspdsl.trials.trajectories import DamagedTrajectoryError, Layouts, layouts_of, unpacked
 
 # Drafts of files that a process which was killed had begun, and files of an earlier layout that are in packs by now.
@@ -134,7 +134,7 @@ def _table(table: sqlite3.Connection, health: Health) -> bool:
         health.fault("table", f"{TABLE} is damaged: {found[0]}", ANEW)
     elif is_of_earlier_layout(table):
         health.earlier = True
-        health.fault("table", "this run was made by an earlier version, with a file for each trajectory", REPAIR)
+        health.fault("table", "this run was made by an earlier version, which kept its trials otherwise", REPAIR)
     elif layout_of(table)[1] != {*COLUMNS}:
         health.fault("table", "this run was made by another version, whose trials have other columns", ANEW)
     else:
@@ -258,7 +258,7 @@ def _mended(folder: RunFolder) -> Iterator[str]:
     health = examined(folder, mine=True)
     if health.earlier:
         whole, damaged = migrate(folder)
-        yield f"trajectories put into packs: {whole}" + (f"; damaged, to be run again: {damaged}" if damaged else "")
+        yield f"trials of an earlier version: {whole}" + (f"; damaged, to be run again: {damaged}" if damaged else "")
         health = examined(folder, mine=True)
     if any(finding.part == "table" and finding.verdict is Verdict.FAULT for finding in health.findings):
         return

@@ -124,6 +124,7 @@ class Logbook:
             "time": seen.time,
             "loads": truth.loads,
             "pressing": np.vecdot(np.nan_to_num(truth.forces), normals),
+            "touches": np.logical_and.reduce(np.isfinite(truth.forces), axis=-1),  # else there are none
             "felt": felt,
             "distance": distance,
             "sine": sine,
@@ -174,6 +175,7 @@ class Logbook:
             "samples": samples,
             "balance": self._balance(trial, exact) if exact else None,
             "world_s": float(self.world_s[trial]),
+            "touching": tuple(bool(exact["touches"][last, contact]) for contact in contacts),
         }
 
     def _balance(self, trial: int, exact: Mapping[str, Array]) -> Balance | None:

@@ -55,7 +55,9 @@ class TrialRecord:
     ``wall_s`` is the computer's time, an equal share of what was done for several trials at once. ``tare_s`` is that
     taken to tare the sensors, which ``world_s`` does not include. ``priorities``: what became of each level that others
     are subject to. ``balance`` is that of the final grasp, None where the world does not tell what acts on its object.
-    ``quality`` holds the grades of the final grasp that the spec asks for, by their names.
+    ``quality`` holds the grades of the final grasp that the spec asks for, by their names. ``touching``: which of the
+    contacts of the grasp touched at the last tick, by the simulator's truth and not as the hand senses it, in the order
+    of ``contact_forces``; of none where there was no tick.
     """
 
     number: Count
@@ -84,6 +86,12 @@ class TrialRecord:
     priorities: tuple[Disturbance, ...] = ()
     balance: Balance | None = None
     quality: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    touching: tuple[bool, ...] = ()
+
+    @property
+    def in_contact(self) -> bool | None:
+        """Whether every contact of the grasp truly touched at the end; None where that is not known."""
+        return all(self.touching) if self.touching else None
 
     @property
     def has_begun(self) -> bool:

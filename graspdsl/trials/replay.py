@@ -143,11 +143,10 @@ def evenly(ticks: int, count: int) -> list[int]:
 
 
 def _record(folder: RunFolder, number: int) -> TrialRecord:
-    records = {record.number: record for record in folder.records()}
-    if number in records:
-        return records[number]
+    for record in folder.records(number):
+        return record
     message = f"this run has no trial {number}"
-    raise DiagnosticError([Diagnostic("unknown-trial", message, hint=f"it has {_said(sorted(records))}")])
+    raise DiagnosticError([Diagnostic("unknown-trial", message, hint=f"it has {_said(sorted(folder.identities()))}")])
 
 
 def _said(numbers: Sequence[int]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, get_type_hints
@@ -23,8 +22,10 @@ COLUMNS = tuple(field.name for field in dataclasses.fields(TrialRecord))
 _MAPPINGS = ("start", "quality")
 _PARTS = ("rejected", "priorities", "balance")
 _ANGLES = ("orientation_start", "orientation_end")
-_NUMBERS = ("contact_forces", "point_error", "normal_error")
-_LARGE = re.compile(r"[0-9.][eE]\+?[0-9]{2}|[0-9]{30}")
+_TUPLES = ("contact_forces", "point_error", "normal_error", "touching")
+_TEXTS = (*_MAPPINGS, *_PARTS, *_TUPLES)  # columns of JSON
+_SORTED = bytes.maketrans(b"0123456789E", b"0000000000e")
+_LARGE = b"e00", b"e+00", b"0" * 30  # which numbers beyond LARGEST_VALUE have, once sorted
 _MEASURED = tuple(name for name, kind in TrialRecord.__annotations__.items() if kind == "float")
 
 
@@ -72,7 +73,8 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     """The record that a row holds. Raises ValueError for values that no trial has."""
     values = dict(zip(COLUMNS, row, strict=True))
     try:
-        values |= {name: _tuple(values[name]) for name in _NUMBERS}
+        large = _may_be_large(values)
+        values |= {name: _tuple(values[name]) for name in _TUPLES}
         values |= {name: from_json(values[name], allow_inf_nan=False) for name in _MAPPINGS}
         parts = ", ".join(f'"{name}": {values[name] or "null"}' for name in _PARTS)
         values |= vars(_Parts.model_validate_json(f"{{{parts}}}"))
@@ -86,7 +88,6 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"].lower())))) from None
-    large = _may_be_large(row)
     if large and any(LARGEST_VALUE < abs(value) < math.inf for value in _numbers_in(values)):
         raise ValueError("a value is too large to be measured")
     if any(not (math.isnan(angle) or 0.0 <= angle <= math.pi / 2) for angle in (values[name] for name in _ANGLES)):
@@ -96,13 +97,14 @@ def record_of(row: Sequence[Any]) -> TrialRecord:
     return TrialRecord(**values)
 
 
-def _may_be_large(row: Sequence[object]) -> bool:
-    """Whether there can be a number beyond LARGEST_VALUE in a row, found without reading its texts number by number."""
-    return any(
-        _LARGE.search(value) is not None if isinstance(value, str) else abs(value) > LARGEST_VALUE
-        for value in row
-        if isinstance(value, str | float | int)
-    )
+def _may_be_large(values: Mapping[str, Any]) -> bool:
+    """Whether there can be a number beyond LARGEST_VALUE in a row, found without reading its texts number by number.
+    Whole numbers of SQLite have 64 bits, which are less."""
+    texts = " ".join([value for value in map(values.__getitem__, _TEXTS) if isinstance(value, str)])
+    written = texts.encode().translate(_SORTED)
+    floats = [value for value in values.values() if isinstance(value, float)]
+    most = max(max(floats, default=0.0), -min(floats, default=0.0))
+    return most > LARGEST_VALUE or any(large in written for large in _LARGE)
 
 
 def _stored(value: object) -> object:

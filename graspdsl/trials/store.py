@@ -38,6 +38,7 @@ MANIFEST, SPEC, TABLE, TRAJECTORIES = RUN_MANIFEST, "spec.yaml", "trials.sqlite"
 POINTS = "points"  # of a sweep: the folder of their reports
 FILES = COPIES  # of those that the spec names
 LAYOUT = 2  # of a run's folder; the first had a file for each trajectory, and no number
+ADDED = {"touching"}  # columns that trials of earlier versions lack, which can be made up for
 _NUMBER = re.compile(r"[0-9]{3,4}", re.ASCII)
 PIECES = "number INTEGER PRIMARY KEY, offset INTEGER, size INTEGER, checksum INTEGER"
 
@@ -99,6 +100,7 @@ class RunFolder:
         self.packs = Packs(self.whole / TRAJECTORIES, self._first)
         self._held: os.stat_result | None = None
         self._open: sqlite3.Connection | None = None  # while it is held
+        self._believed: dict[int, TrialRecord] = {}  # by hashes of the rows that hold them
 
     @classmethod
     def create(
@@ -243,9 +245,16 @@ class RunFolder:
                 table.execute(f"INSERT OR REPLACE INTO trials VALUES ({marks})", row)
                 table.execute("INSERT OR REPLACE INTO trajectories VALUES (?, ?, ?, ?)", piece)
 
-    def records(self) -> list[TrialRecord]:
-        """The trials in the table, by number. Raises DiagnosticError when it cannot be read or holds no such trials."""
-        return [self.believed(row) for row in self._rows_of("trials", COLUMNS, "ORDER BY number")]
+    def records(self, number: int | None = None) -> list[TrialRecord]:
+        """The trials in the table, by number, or one of them. Raises DiagnosticError when it cannot be read or holds no
+        such trials."""
+        chosen = "" if number is None else f"AND number = {self._first + number:d} "
+        rows = self._rows_of("trials", COLUMNS, f"{chosen}ORDER BY number")
+        known = self._believed  # to make a record of a row takes its time, and most rows are as they were
+        found = [(key, known.get(key) or self.believed(row)) for key, row in ((hash(row), row) for row in rows)]
+        if number is None:
+            self._believed = dict(found)
+        return [record for _, record in found]
 
     def outcomes(self) -> dict[str, int]:
         """How many of the trials in the table ended in which way, counted without a look at what else they hold."""
@@ -293,7 +302,7 @@ class RunFolder:
         differing = listed([*([] if layout == LAYOUT else ["its layout"]), *sorted(known ^ set(COLUMNS))])
         message = f"this run was made by another version of graspdsl, whose {TABLE} differs in {differing}"
         hint = "read it with the version that made it, or run its spec again"
-        if layout < LAYOUT and known == set(COLUMNS):
+        if is_of_earlier_layout(table):
             hint = f"make it one of this version: graspdsl doctor {shlex.quote(str(self.path))} --repair"
         raise _refused("run-differs", message, hint)
 
@@ -311,7 +320,7 @@ class RunFolder:
     def finished(self) -> list[TrialRecord]:
         """The trials that need not be run again: those in the table whose trajectories are as they were written, by
         their checksums; nothing is unpacked."""
-        whole = {piece.number for piece in self.pieces() if self.packs.is_whole(piece)}
+        whole = self.packs.whole(self.pieces())
         return [record for record in self.records() if record.number in whole]
 
     def trajectory(self, number: int, layout: Layout | None = None) -> Rows:
@@ -397,6 +406,12 @@ def layout_of(table: sqlite3.Connection) -> tuple[int, set[str]]:
     """The number of a table's layout, and the names of the columns of its trials; none where there is no such table."""
     [(layout,)] = table.execute("PRAGMA user_version")
     return layout, {name for _, name, *_ in table.execute("PRAGMA table_info(trials)")}
+
+
+def is_of_earlier_layout(table: sqlite3.Connection) -> bool:
+    """Whether the table is of a run that can be made one of the present layout."""
+    layout, known = layout_of(table)
+    return layout <= LAYOUT and known == set(COLUMNS) - ADDED
 
 
 def _is(path: Path, known: os.stat_result) -> bool:

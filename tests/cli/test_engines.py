@@ -76,5 +76,12 @@ def test_what_cannot_be_held_against_anything(spec: Path, words: tuple[str, ...]
 
 
 @pytest.mark.slow
+def test_a_cluster_may_share_the_trials(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    dask = ("--engine", "dask", "--scheduler", tmp_path / "none.json")
+    code, messages = asked(SPEC, "--trials", "1", *dask, "--out", tmp_path / "x")
+    assert (code, messages.count("error[no-scheduler]")) == (1, 1)
+
+
 def test_a_refusal_is_one_json_document(tmp_path: Path) -> None:
     assert codes(graspdsl("engines", SPEC, "--worlds", "floating", "--json", cwd=tmp_path)) == ["no-engine"]

@@ -53,7 +53,7 @@ def _program(experiment: int, overrides: tuple[str, ...]) -> Program:
 
 def _course(trial: HandMade) -> ResidualCourse:
     force, moment = np.array(trial.forces or (1.0, trial.force)), np.array(trial.moments or (1.0, trial.moment))
-    return ResidualCourse(np.arange(len(force)) / 50.0, force, moment, trial.touching, trial.on_top)
+    return ResidualCourse(np.arange(len(force)) / 50.0, force, moment, trial.on_top)
 
 
 def _outcome(trial: HandMade) -> Outcome:
@@ -76,6 +76,7 @@ def _record(number: int, trial: HandMade) -> TrialRecord:
         "force_residual_end": trial.force,
         "moment_residual_end": trial.moment,
         "contact_forces": (0.5, 0.5, 0.5),
+        "touching": () if math.isnan(trial.force) else (True, True, trial.touching),
         "ticks": max(1, len(trial.forces) - 1),
         "ticks_to_converge": trial.ticks,
         "samples": max(2, len(trial.forces)),

@@ -177,7 +177,7 @@ def test_a_single_contact_has_no_orientation_but_residuals(tmp_path: Path) -> No
 def test_trials_that_could_not_begin(floating: Evidence) -> None:
     """All of them, and then some of them."""
     never = {"outcome": Outcome.INFEASIBLE_START, "samples": 0, "ticks": 0, "ticks_to_converge": None}
-    lost = [dataclasses.replace(record, **never) for record in floating.records]
+    lost = [dataclasses.replace(record, touching=(), **never) for record in floating.records]
     text = read(page(dataclasses.replace(floating, records=tuple(lost), courses={}))).text
     assert "None of 8 trials could begin" in text
     assert "8 trials (no start was feasible)" in text
@@ -190,9 +190,9 @@ def test_trials_that_could_not_begin(floating: Evidence) -> None:
 
 
 def test_a_contact_that_does_not_touch_at_the_end_leaves_a_trial_out(floating: Evidence) -> None:
-    courses = {**floating.courses, 0: dataclasses.replace(floating.courses[0], touching=False)}
-    del courses[1]
-    evidence = dataclasses.replace(floating, courses=courses)
+    off, unknown, *others = floating.records
+    off, unknown = (dataclasses.replace(off, touching=(True, False, True)), dataclasses.replace(unknown, touching=()))
+    evidence = dataclasses.replace(floating, records=(off, unknown, *others))
     text = read(page(evidence)).text
     assert "1 trial (a contact did not touch at the end)" in text
     assert "1 trial (nothing was recorded of the end, or its trajectory cannot be read)" in text

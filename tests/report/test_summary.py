@@ -8,12 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from stored_runs import lose_trajectory
 from trials.whole import whole_rows
 
-from graspdsl.arrays import Float32Array
 from graspdsl.cli.tables import summary_text
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.page import notes
@@ -50,12 +48,8 @@ def _record(number: int, **values: Any) -> TrialRecord:
         "normal_error": (math.nan, math.nan),
         "world_s": 1.0,
     }
-    return TrialRecord(**{**nothing, **measured, "number": number, **values})
-
-
-def _trajectory(*, touching: bool) -> dict[str, Float32Array]:
-    """One row: every contact touches, or none."""
-    return {**whole_rows(1), "forces": np.full((1, 3, 3), 1.0 if touching else math.nan, np.float32)}
+    touching = (values.get("outcome") is not OUTCOMES["contact-lost"],) * 2
+    return TrialRecord(**{**nothing, **measured, "number": number, "touching": touching, **values})
 
 
 @pytest.fixture
@@ -66,7 +60,7 @@ def build(tmp_path: Path) -> Build:
         manifest = Manifest("a-run", "spec.yaml", overrides, 7, asked, {"graspdsl": "0"}, 2.5)
         folder = RunFolder.create(tmp_path / "the run", manifest, SPEC.read_text(encoding="utf-8"))
         for record in records:
-            folder.add(Trial(record, _trajectory(touching=record.outcome is not OUTCOMES["contact-lost"])).packed())
+            folder.add(Trial(record, whole_rows(1)).packed())
         return folder
 
     return built

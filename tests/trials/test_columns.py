@@ -33,6 +33,7 @@ def record(number: int, **given: object) -> TrialRecord:
         "start": {"roll": 0.1, "height": 0.2, "spread-1": 0.3},
         "rejected": (RejectedStart({"roll": 0.0}, "table"),) * 2,
         "contact_forces": (0.4, 0.5, 0.6),
+        "touching": (True, False, True),
         "balance": Balance(*(tuple(10.0 * party + part for part in range(6)) for party in range(4))),
         "point_error": (0.01, 0.02),
         "normal_error": (0.03, 0.04),
@@ -57,7 +58,7 @@ def test_every_field_has_a_column_with_its_values(program: Program) -> None:
     records = [record(0), record(2, outcome=Outcome.TIMEOUT, detail="too slow", ticks_to_converge=None)]
     columns = columns_of(program, records)
     assert {name.partition(".")[0] for name in columns} == {field.name for field in dataclasses.fields(TrialRecord)}
-    parted = {"start", "contact_forces", "point_error", "normal_error", "priorities", "balance", "quality"}
+    parted = {"start", "contact_forces", "touching", "point_error", "normal_error", "priorities", "balance", "quality"}
     for name in {field.name for field in dataclasses.fields(TrialRecord)} - parted - {"rejected", "ticks_to_converge"}:
         assert columns[name].values.tolist() == [getattr(one, name) for one in records]
     assert columns["rejected"].values.tolist() == [2, 2]
@@ -67,7 +68,9 @@ def test_every_field_has_a_column_with_its_values(program: Program) -> None:
 
 
 def test_parts_have_columns(program: Program) -> None:
-    columns = columns_of(program, [record(0), record(1, start={}, contact_forces=(), quality={}, balance=None)])
+    columns = columns_of(
+        program, [record(0), record(1, start={}, contact_forces=(), touching=(), quality={}, balance=None)]
+    )
     parts = {name: column.values.tolist() for name, column in columns.items() if "." in name}
     nothing = math.nan
     expected = {
@@ -77,6 +80,9 @@ def test_parts_have_columns(program: Program) -> None:
         "contact_forces.finger-3": [0.4, nothing],
         "contact_forces.finger-1": [0.5, nothing],
         "contact_forces.finger-2": [0.6, nothing],
+        "touching.finger-3": [1.0, nothing],
+        "touching.finger-1": [0.0, nothing],
+        "touching.finger-2": [1.0, nothing],
         "point_error.p50": [0.01, 0.01],
         "point_error.p95": [0.02, 0.02],
         "normal_error.p50": [0.03, 0.03],

@@ -27,6 +27,7 @@ from graspdsl.trials.trajectories import CHANNELS, CONTACTS, TICK, packed
 
 SPEC = Path(__file__).parents[2] / "specs" / "chapter" / "4_30_grasp_cartesian.yaml"
 TRIALS = 4
+WITHOUT_ENDS = "ALTER TABLE trials DROP COLUMN touching"
 PARTS = ["manifest", "spec", "table", "origin", "rows", "trajectories", "packs", "state"]
 
 
@@ -222,7 +223,7 @@ def _as_before(run: RunFolder) -> None:
         rows: dict[str, Any] = {name: values for name, values in run.unpacked(piece).items() if name != TICK}
         np.savez_compressed(run.packs.folder / f"{piece.number}.npz", **rows)
     run.packs.file(0).unlink()
-    _alter(run, "DROP TABLE trajectories", "PRAGMA user_version = 0")
+    _alter(run, "DROP TABLE trajectories", "PRAGMA user_version = 0", WITHOUT_ENDS)
 
 
 @pytest.mark.slow
@@ -242,12 +243,20 @@ def test_a_run_of_an_earlier_version_becomes_one_of_this(
     run.packs.put(0, b"what a migration that was killed has left")
     done = mended(run)
     of_damaged = f"; damaged, to be run again: {len(damaged)}" if damaged else ""
-    assert done[0] == f"trajectories put into packs: {TRIALS - len(damaged)}{of_damaged}"
+    assert done[0] == f"trials of an earlier version: {TRIALS - len(damaged)}{of_damaged}"
     assert _faults(run) == ({"trajectories": damaged} if damaged else {})
     execute(RunFolder.open(run.path), workers=1)
     mended(run)
     if not damaged:
         _is_as_made(run, made)
+
+
+def test_trials_that_do_not_tell_which_contacts_touched_are_told_it(run: RunFolder, made: RunFolder) -> None:
+    assert [record.touching for record in run.records()] == [(True,) * 3] * TRIALS
+    _alter(run, WITHOUT_ENDS)
+    assert _faults(run) == {"table": ()}
+    assert mended(run) == [f"trials of an earlier version: {TRIALS}"]
+    _is_as_made(run, made)
 
 
 def test_the_command(run: RunFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
