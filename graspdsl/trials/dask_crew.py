@@ -100,6 +100,9 @@ class DaskCrew:
                 # Processes that it starts later are to be as those that it starts now.
                 stack.enter_context(without_script())
                 _track_silently()
+                # Else it gives up one that is being renewed a while after it was lost, and the last of all, too.
+                config = importlib.import_module("dask.config")
+                stack.enter_context(config.set({"distributed.deploy.lost-worker-timeout": "365 days"}))
                 with sheltered():
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
