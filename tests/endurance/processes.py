@@ -4,37 +4,39 @@ from __future__ import annotations
 
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 import psutil
-
 from cli.program import heed_interrupts
 from cli.warm import PROGRAM
-from endurance.studies import RUN, DifferenceError, Study, demand
-from graspdsl.diagnostics import DiagnosticError
-from graspdsl.trials.store import RunFolder
 
-PATIENCE = 90.0  # s
-GLANCE = 0.005  # s
+from endurance.studies import GO_ON, RUN, DifferenceError, Study, demand
+from graspdsl.trials.store import TABLE
+
+PATIENCE = 180.0  # s, of a machine that is busy
+GLANCE = 0.01  # s
 TESTS = Path(__file__).parents[1]
 
 
 class Run:
-    """A study that is being run in a place, in a session of its own; ``plant``: a mistake that the program is made to
-    have."""
+    """A study that is begun in a place, or gone on with if there is some of it, in a session of its own; ``plant``: a
+    mistake that the program is made to have."""
 
     def __init__(self, study: Study, place: Path, engine: tuple[str, ...], plant: str) -> None:
-        self.folder, self._messages = place / RUN, place / "messages"
+        self.table, self._messages = place / RUN / TABLE, place / "messages"
+        self.before = self.rows()
+        words = GO_ON if self.before else study.words()
         program = [sys.executable, "-m", "endurance.planted", plant] if plant else [str(PROGRAM)]
         surroundings = {**os.environ, "PYTHONPATH": str(TESTS)} if plant else None
         with self._messages.open("wb") as messages:
             self.process = subprocess.Popen(
-                [*program, *map(str, study.words(*engine))],
+                [*program, *map(str, words), *engine, "--no-report"],
                 cwd=place,
                 env=surroundings,
                 stdout=subprocess.DEVNULL,
@@ -50,16 +52,18 @@ class Run:
 
     def rows(self) -> int:
         """How many trials are in its table, read while it grows."""
-        try:
-            return sum(RunFolder.at(self.folder).outcomes().values())
-        except DiagnosticError:
-            demand(not (self.folder / "run.json").exists(), "it cannot be read while it runs")
+        if not self.table.exists():
             return 0
+        with closing(sqlite3.connect(f"{self.table.as_uri()}?mode=ro", uri=True)) as table:
+            with suppress(sqlite3.OperationalError):  # which is just being made
+                [(count,)] = table.execute("SELECT count(*) FROM trials")
+                return count
+        return 0
 
     def wait_for_rows(self) -> None:
         """Until its first trial is committed."""
         until = time.monotonic() + PATIENCE
-        while not self.rows():
+        while self.rows() == self.before:
             demand(self.process.poll() is None, f"it has ended before its first trial: {self.messages}")
             demand(time.monotonic() < until, f"no trial in {PATIENCE:g} s: {self.messages}")
             time.sleep(GLANCE)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cli.program import ROOT, graspdsl
+
 from graspdsl.report.evidence import evidence_of
 from graspdsl.report.summary import plain, summarised
 from graspdsl.trials.health import Verdict, examined
@@ -40,16 +41,19 @@ class Study:
     trials: int
     settings: tuple[str, ...] = ()
 
-    def words(self, *engine: str) -> Sequence[str | Path]:
-        """The command that runs it in the working directory."""
+    def words(self) -> Sequence[str | Path]:
+        """The command that begins it in the working directory."""
         settings = [word for setting in self.settings for word in ("--set", setting)]
-        return ["run", self.spec, "--trials", str(self.trials), *settings, *engine, "--out", RUN, "--no-report"]
+        return ["run", self.spec, "--trials", str(self.trials), *settings, "--out", RUN]
+
+
+GO_ON = ("run", "--resume", RUN)
 
 
 STUDIES = (
-    Study("floating", CHAPTER / "4_30_grasp_cartesian.yaml", 300),
-    Study("mujoco", CHAPTER / "close.yaml", 16, ("scene.world=mujoco", "control.displacement=probing")),
-    Study("bullet", CHAPTER / "close.yaml", 8, ("program.0.limit=2.0",)),
+    Study("floating", CHAPTER / "4_30_grasp_cartesian.yaml", 200),
+    Study("mujoco", CHAPTER / "close.yaml", 12, ("scene.world=mujoco", "control.displacement=probing")),
+    Study("bullet", CHAPTER / "close.yaml", 8),
 )
 
 
@@ -105,5 +109,5 @@ def check_complete(folder: Path, whole: Kept, *, crashed: int = 0) -> list[int]:
 
 def resume(place: Path, *engine: str) -> None:
     """Finish the run in a place."""
-    answer = graspdsl("run", "--resume", RUN, *engine, "--no-report", cwd=place)
+    answer = graspdsl(*GO_ON, *engine, "--no-report", cwd=place)
     demand(answer.returncode == 0, f"it could not be resumed: {answer.stderr}")

@@ -12,13 +12,14 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from multiprocessing import forkserver
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
 from compiler.specs import floating
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from plugins.packages import HUBER
 
@@ -93,24 +94,28 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 @pytest.fixture(scope="module")
-def cluster() -> Iterator[Any]:
-    """Processes that know nothing of this one, one more than are needed while another is renewed."""
-    distributed = pytest.importorskip("distributed")
-    dask = pytest.importorskip("dask")
+def quick() -> Any:
+    """How processes are begun: forked from one that has imported everything."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["distributed", "graspdsl.trials.workers", "trials.warmed"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))  # CPython 3.11 has it import from nowhere else
+        forkserver.ensure_running()
+    return context
+
+
+@pytest.fixture(scope="module")
+def cluster(quick: Any) -> Iterator[Any]:
+    """Three processes that know nothing of this one."""
+    distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
+    never_given_up = {"distributed.deploy.lost-worker-timeout": "365 days"}
+    quickly_begun = {"distributed.worker.multiprocessing-method": quick.get_start_method()}
     options = {"threads_per_worker": 1, "dashboard_address": ":0", "memory_limit": None, "silence_logs": 60}
     with (
-        dask.config.set({"distributed.deploy.lost-worker-timeout": "365 days"}),  # or it may give all of them up
+        dask.config.set({**never_given_up, **quickly_begun}),
         distributed.LocalCluster(n_workers=3, **options) as three,
     ):
         yield three
-
-
-@pytest.fixture
-def quick_processes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Workers of the local engine that are forked from one that has imported everything."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["graspdsl.trials.workers", "graspdsl.worlds.floating"])
-    monkeypatch.setattr("graspdsl.trials.workers.multiprocessing.get_context", lambda _: context)
 
 
 NUMBER, AFTER = st.integers(0, COUNT - 1), st.none() | st.integers(1, COUNT)
@@ -167,11 +172,12 @@ def check(
         assert all(found[number] == study.whole[number] for number in found if number not in crashed)
 
 
-@pytest.mark.usefixtures("quick_processes")
-@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(sessions=SESSIONS, deadly=FEW)
-def test_on_processes_of_its_own(study: Study, sessions: list[Session], deadly: frozenset[int]) -> None:
-    check(study, sessions, deadly, lambda workers: workers, lose_process)
+def test_on_processes_of_its_own(study: Study, quick: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("graspdsl.trials.workers.multiprocessing.get_context", lambda _: quick)
+        check(study, sessions, deadly, lambda workers: workers, lose_process)
 
 
 @settings(max_examples=5, deadline=None, derandomize=True)
