@@ -12,11 +12,12 @@ import argparse
 import random
 import sys
 
+from endurance.full_disk import disk_full
 from endurance.kills import ENGINES, Torture, main_killed, undisturbed, workers_killed
 from endurance.scheduler import scheduler_killed
 from endurance.studies import STUDIES, DifferenceError, check_same
 
-ATTEMPTS = {"main": main_killed, "workers": workers_killed, "scheduler": scheduler_killed}
+ATTEMPTS = {"main": main_killed, "workers": workers_killed, "scheduler": scheduler_killed, "disk": disk_full}
 
 
 def _asked() -> argparse.Namespace:

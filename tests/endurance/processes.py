@@ -52,12 +52,12 @@ class Run:
 
     def rows(self) -> int:
         """How many trials are in its table, read while it grows."""
-        if not self.table.exists():
-            return 0
-        with closing(sqlite3.connect(f"{self.table.as_uri()}?mode=ro", uri=True)) as table:
-            with suppress(sqlite3.OperationalError):  # which is just being made
-                [(count,)] = table.execute("SELECT count(*) FROM trials")
-                return count
+        with (
+            suppress(sqlite3.OperationalError),  # there is none yet, or it is just being made
+            closing(sqlite3.connect(f"{self.table.as_uri()}?mode=ro", uri=True)) as table,
+        ):
+            [(count,)] = table.execute("SELECT count(*) FROM trials")
+            return count
         return 0
 
     def wait_for_rows(self) -> None:

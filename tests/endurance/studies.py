@@ -71,7 +71,7 @@ def kept(folder: Path) -> Kept:
 
 
 def check_opens(folder: Path, told: int, whole: Kept) -> int:
-    """That a run which was stopped is sound, can be reported, and has at least as many trials as were told; how many."""
+    """That a run which was stopped is sound, can be reported, and has all trials that were told; how many it has."""
     run = RunFolder.open(folder)
     count = len(run.records())
     demand(len(run.finished()) == count, f"of {count} trials in the table only {len(run.finished())} are whole")

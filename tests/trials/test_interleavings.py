@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 from compiler.specs import floating
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from plugins.packages import HUBER
 
@@ -172,20 +172,38 @@ def check(
         assert all(found[number] == study.whole[number] for number in found if number not in crashed)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+# All that can happen, and nothing.
+EVERYTHING = example(
+    sessions=[Session(2, frozenset({1}), 5, None, torn=True), Session(3, frozenset(), None, 3, torn=False)],
+    deadly=frozenset({6}),
+)
+
+
+@EVERYTHING
+@settings(max_examples=6, deadline=None, derandomize=True)
 @given(sessions=SESSIONS, deadly=FEW)
 def test_on_processes_of_its_own(study: Study, quick: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
+    on_processes_of_its_own(study, quick, sessions, deadly)
+
+
+@EVERYTHING
+@settings(max_examples=1, deadline=None, derandomize=True)
+@given(sessions=SESSIONS, deadly=FEW)
+def test_on_a_dask_cluster(study: Study, cluster: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
+    on_a_dask_cluster(study, cluster, sessions, deadly)
+
+
+def on_processes_of_its_own(study: Study, quick: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("graspdsl.trials.workers.multiprocessing.get_context", lambda _: quick)
         check(study, sessions, deadly, lambda workers: workers, lose_process)
 
 
-@settings(max_examples=5, deadline=None, derandomize=True)
-@given(sessions=SESSIONS, deadly=FEW)
-def test_on_a_dask_cluster(study: Study, cluster: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
+def on_a_dask_cluster(study: Study, cluster: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
     def lose() -> None:
         nanny = next(iter(cluster.workers.values()))
-        os.kill(nanny.pid, signal.SIGKILL)
+        if nanny.pid is not None:  # else it is just being renewed
+            os.kill(nanny.pid, signal.SIGKILL)
 
     check(study, sessions, deadly, lambda _: Dask(cluster.scheduler_address), lose)
 
