@@ -21,8 +21,8 @@ KILLS = 4  # of a run, at most
 
 @dataclass
 class Torture:
-    """A study on an engine, with what it is when nothing stops it, and how long it then takes from its first trial to its
-    last [s]."""
+    """A study on an engine, with what it is when nothing stops it, and how long it then takes from its first trial to
+    its last [s]."""
 
     study: Study
     engine: tuple[str, ...]

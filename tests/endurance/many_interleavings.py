@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from hypothesis import given, settings
-
 from trials.test_interleavings import (
     FEW,
     SESSIONS,

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 from compiler.specs import floating
-from hypothesis import example, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 from plugins.packages import HUBER
 
@@ -35,6 +35,7 @@ from .test_dask import THREE, numbers
 pytestmark = pytest.mark.slow
 
 COUNT = 16
+METHOD = "distributed.worker.multiprocessing-method"
 # A trial ends its worker as it begins, others being in the middle beside it, where a file asks for it.
 ORDERS = """
 import multiprocessing, os, signal
@@ -78,6 +79,13 @@ class Study:
     orders: Path
     whole: dict[int, tuple[str, bytes]]
 
+    def order(self, always: frozenset[int], once: frozenset[int] = frozenset()) -> None:
+        """From now on these trials, and no others, end their process."""
+        for order in self.orders.iterdir():
+            order.unlink()
+        for order in (*(f"always {number}" for number in always), *(f"once {number}" for number in once)):
+            (self.orders / order).touch()
+
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
@@ -109,7 +117,7 @@ def cluster(quick: Any) -> Iterator[Any]:
     """Three processes that know nothing of this one."""
     distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
     never_given_up = {"distributed.deploy.lost-worker-timeout": "365 days"}
-    quickly_begun = {"distributed.worker.multiprocessing-method": quick.get_start_method()}
+    quickly_begun = {METHOD: quick.get_start_method()}
     options = {"threads_per_worker": 1, "dashboard_address": ":0", "memory_limit": None, "silence_logs": 60}
     with (
         dask.config.set({**never_given_up, **quickly_begun}),
@@ -151,10 +159,7 @@ def check(
     with TemporaryDirectory() as place:
         folder, found = new_run(Path(place) / "run", study.program), dict[int, tuple[str, bytes]]()
         for session in (*sessions, TO_ITS_END):
-            for order in study.orders.iterdir():
-                order.unlink()
-            for order in (*(f"always {n}" for n in deadly), *(f"once {n}" for n in session.once)):
-                (study.orders / order).touch()
+            study.order(deadly, session.once)
             onlooker, before = Onlooker(session, lose), found
             with suppress(KeyboardInterrupt):
                 execute(folder, shared_by(session.workers), onlooker)
@@ -187,10 +192,21 @@ def test_on_processes_of_its_own(study: Study, quick: Any, sessions: list[Sessio
 
 
 @EVERYTHING
-@settings(max_examples=1, deadline=None, derandomize=True)
+@settings(phases=[Phase.explicit], deadline=None)  # which takes seconds; make endurance has others
 @given(sessions=SESSIONS, deadly=FEW)
 def test_on_a_dask_cluster(study: Study, cluster: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
     on_a_dask_cluster(study, cluster, sessions, deadly)
+
+
+def test_a_dask_cluster_of_ours_never_gives_its_last_process_up(study: Study, quick: Any, tmp_path: Path) -> None:
+    """Dask would close one for good that is not back a while after it was lost: 15 s as a rule, here at once."""
+    folder = new_run(tmp_path / "run", study.program)
+    study.order(frozenset({6}))
+    at_once = {"distributed.deploy.lost-worker-timeout": "1 ms"}
+    with pytest.importorskip("dask").config.set({**at_once, METHOD: quick.get_start_method()}):
+        execute(folder, Dask(workers=1))
+    assert [record.number for record in folder.records() if record.outcome is Outcome.CRASHED] == [6]
+    assert len(folder.finished()) == COUNT
 
 
 def on_processes_of_its_own(study: Study, quick: Any, sessions: list[Session], deadly: frozenset[int]) -> None:
