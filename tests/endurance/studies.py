@@ -70,6 +70,10 @@ def kept(folder: Path) -> Kept:
     return found
 
 
+def _listed(trials: Sequence[int]) -> str:
+    return ", ".join(map(str, trials[:8])) + (f" and {len(trials) - 8} more" if len(trials) > 8 else "")
+
+
 def check_opens(folder: Path, told: int, whole: Kept) -> int:
     """That a run which was stopped is sound, can be reported, and has all trials that were told; how many it has."""
     run = RunFolder.open(folder)
@@ -88,10 +92,10 @@ def check_same(found: Kept, whole: Kept, *, all_of_them: bool = True, but: Seque
     """That trials are those of a run that nothing stopped, to the last bit, ``but`` some."""
     demand(found.keys() <= whole.keys(), "there are trials that nobody asked for")
     if all_of_them:
-        demand(found.keys() == whole.keys(), f"trials {sorted(whole.keys() - found.keys())} are missing")
+        demand(found.keys() == whole.keys(), f"trials {_listed(sorted(whole.keys() - found.keys()))} are missing")
     for what, part in (("record", 0), ("trajectory", 1)):
         others = [number for number in found if found[number][part] != whole[number][part] and number not in but]
-        demand(not others, f"the {what} of trials {others} is another")
+        demand(not others, f"the {what} of trials {_listed(others)} is another")
 
 
 def check_complete(folder: Path, whole: Kept, *, crashed: int = 0) -> list[int]:
@@ -100,7 +104,7 @@ def check_complete(folder: Path, whole: Kept, *, crashed: int = 0) -> list[int]:
     found = kept(folder)
     run = RunFolder.open(folder)
     named = [record.number for record in run.records() if record.outcome is Outcome.CRASHED]
-    demand(len(named) <= crashed, f"trials {named} have crashed, for at most {crashed} there is a reason")
+    demand(len(named) <= crashed, f"trials {_listed(named)} have crashed, for at most {crashed} there is a reason")
     check_same(found, whole, but=named)
     others = [f"{said.part}: {said.says}" for said in examined(run).findings if said.verdict is not Verdict.WHOLE]
     demand(not others, f"the doctor says {others}")
