@@ -2,8 +2,8 @@
 
     cd tests && python -m endurance [--seed N] [--moments N] [--plant MISTAKE] [WORD …]
 
-WORDs choose among what there is, as ``local``, ``dask bullet``, ``workers`` or ``floating disk``: whatever has them all. Ends at the first
-difference with exit code 1 and the seed that led there.
+WORDs choose among what there is, as ``local``, ``dask bullet workers``, ``floating disk``: whatever has them all. Ends
+at the first difference with exit code 1 and the seed that led there.
 """
 
 from __future__ import annotations
