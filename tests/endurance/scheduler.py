@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -33,25 +33,28 @@ class Standing:
 
     def lose_worker(self, *, renewed: bool) -> None:
         """Kill a worker; one that is renewed leaves its nanny behind, which begins another."""
-        nanny = self.workers.pop()
+        nanny = self.workers[0]
         workers = workers_of(psutil.Process(nanny.pid))
         if not renewed:
             _end(nanny)
-        for worker in workers:
-            with suppress(psutil.NoSuchProcess):
-                worker.kill()
+        _kill(workers)
 
     def end(self) -> None:
         """Leave nothing behind."""
         for process in (self.scheduler, *self.workers):
-            for worker in workers_of(psutil.Process(process.pid)) if process.poll() is None else ():
-                with suppress(psutil.NoSuchProcess):
-                    worker.kill()
+            workers = workers_of(psutil.Process(process.pid)) if process.poll() is None else []
             _end(process)
+            _kill(workers)
 
 
 def _begun(*words: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-m", "dask", *words], stderr=subprocess.DEVNULL)
+
+
+def _kill(workers: Iterable[psutil.Process]) -> None:
+    for worker in workers:
+        with suppress(psutil.NoSuchProcess):
+            worker.kill()
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
