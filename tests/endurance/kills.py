@@ -100,4 +100,4 @@ def workers_killed(torture: Torture, place: Path) -> tuple[int, str]:
     named = check_complete(place / RUN, torture.whole, crashed=max(0, len(killed) - 1))
     at = ", ".join(f"{moment:.2f}" for moment in killed)
     same = f"trials {named} named as crashed, all others the same" if named else "the same run"
-    return len(killed), f"a worker {at} s after the first row: {same}"
+    return len(killed), f"a worker {at} s after the first row: {same}" if killed else f"too late: {same}"
