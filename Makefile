@@ -2,6 +2,7 @@
 # make test   install into .venv with the developers' tools; lint, types, tests
 # make bench  all benchmarks as ratios, into benchmarks/RESULTS.md, with peers in an environment of their own
 # make check  the same without slow tests, for while one works
+# make endurance  runs whose processes are killed, disks that are full, long random interleavings: hours; SEED=7 for others
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
@@ -10,7 +11,7 @@ PEERS := benchmarks/.peers
 COMPILE = python -m compileall -q graspdsl cli && PYTHONDONTWRITEBYTECODE= $(@D)/bin/python -c \
 	"from graspdsl.notation.syntax import grammar; grammar()"
 
-.PHONY: demo experiments bench bench-experiments test check lint types unit clean
+.PHONY: demo experiments bench bench-experiments test check endurance lint types unit clean
 
 # In the engine that is many times faster, and has wheels for every CPython.
 demo: $(VENV)/.installed
@@ -35,6 +36,10 @@ test: lint types unit
 
 check: lint types
 	$(BIN)/pytest -n auto -m "not slow"
+
+endurance: $(VENV)/.installed-dev
+	cd tests && ../$(BIN)/python -m endurance $(if $(SEED),--seed $(SEED))
+	$(BIN)/pytest -n 0 tests/endurance/many_interleavings.py $(if $(SEED),--hypothesis-seed $(SEED))
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

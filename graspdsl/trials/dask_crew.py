@@ -41,8 +41,13 @@ from graspdsl.trials.workers import (
 AHEAD = 2  # batches that a worker knows of, so that it need not wait for the next
 PATIENCE = 10  # s, for a scheduler to answer
 EXPECTED = 16  # workers, of a cluster that has none yet and may grow
-# Without looks at what workers do, every hundredth of a second, and with fewer at whether all still answer.
-LEAN = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
+# Of a cluster for one run: without looks at what workers do, every hundredth of a second, and with fewer at whether all
+# still answer. It would give up a worker that is being renewed a while after it was lost, and the last of all, too.
+OF_ITS_OWN = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.deploy.lost-worker-timeout": "365 days",
+}
 LOGGERS = ("distributed", "distributed.client")
 
 
@@ -103,8 +108,8 @@ class DaskCrew:
                 # Processes that it starts later are to be as those that it starts now.
                 stack.enter_context(without_script())
                 _track_silently()
-                settings = importlib.import_module("dask").config
-                with sheltered(), settings.set(LEAN):
+                stack.enter_context(importlib.import_module("dask.config").set(OF_ITS_OWN))
+                with sheltered():
                     cluster = distributed.LocalCluster(
                         n_workers=self._place,
                         threads_per_worker=1,

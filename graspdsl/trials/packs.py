@@ -43,7 +43,14 @@ class Packs:
 
     def file(self, number: int) -> Path:
         """The pack that a trial's piece is in."""
-        first = (self._number + number) // EACH * EACH
+        return self._file(self._place(number))
+
+    def _place(self, number: int) -> int:
+        """Of the pack of a trial among all."""
+        return (self._number + number) // EACH
+
+    def _file(self, place: int) -> Path:
+        first = place * EACH
         return self.folder / f"{first:06d}-{first + EACH - 1:06d}{SUFFIX}"
 
     def all(self) -> list[Path]:
@@ -83,9 +90,9 @@ class Packs:
         """The trials of those pieces that are as they were put there; nothing is unpacked, each pack is opened once."""
         ordered = sorted(pieces)
         found = {piece.number for piece in ordered if not piece.size}
-        of_packs = itertools.groupby((piece for piece in ordered if piece.size), lambda piece: piece.number // EACH)
-        for place, ones in of_packs:
-            with suppress(OSError), self.file(place * EACH).open("rb") as pack:
+        filled = (piece for piece in ordered if piece.size)
+        for place, ones in itertools.groupby(filled, lambda piece: self._place(piece.number)):
+            with suppress(OSError), self._file(place).open("rb") as pack:
                 for piece in ones:
                     with suppress(DamagedPieceError):
                         _read(pack, piece)
@@ -96,9 +103,9 @@ class Packs:
         """Cut off what is behind the last of the pieces there are. Raises OSError."""
         ends = dict[int, int]()
         for piece in pieces:
-            place = piece.number // EACH
+            place = self._place(piece.number)
             ends[place] = max(ends.get(place, 0), piece.offset + piece.size)
-        known = {self.file(place * EACH): end for place, end in ends.items()}
+        known = {self._file(place): end for place, end in ends.items()}
         for pack in self.all():
             if pack.stat().st_size > known.get(pack, 0):
                 os.truncate(pack, known.get(pack, 0))
