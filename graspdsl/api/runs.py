@@ -268,9 +268,8 @@ class Run(Told):
         """
         if trial is None:
             return super().export(path, what, form=form)
-        place = Path(path)
+        place, columns = Path(path), self.columns_for(what, trial)
         form = format_of(place, form)
-        columns = self.columns_for(what, trial)
         if form == NPZ:  # which has room for axes
             arrays = self.trajectory(trial)
             columns = {name: Column(arrays[name], unit) for name, unit in arrays.units.items()}

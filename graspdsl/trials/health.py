@@ -247,6 +247,7 @@ def mended(folder: RunFolder) -> list[str]:
 
     Raises DiagnosticError where another process has the run, or its folder cannot be written to.
     """
+    folder.check_whole()
     with locked(folder.path):
         try:
             return list(_mended(folder))

@@ -29,7 +29,7 @@ def scattered(random: np.random.Generator, mean: Array, count: int, size: float)
 
 def found(force: Array, moment: Array) -> MeanCourses:
     time = np.arange(TICKS) / 50.0
-    answer = mean_courses([ResidualCourse(time, f, m, touching=True) for f, m in zip(force, moment, strict=True)])
+    answer = mean_courses([ResidualCourse(time, f, m) for f, m in zip(force, moment, strict=True)])
     assert answer is not None
     return answer
 

@@ -177,8 +177,9 @@ def test_colours_are_known_where_something_is_shown() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("library", ["matplotlib", "jinja2"])
 def test_only_the_report_draws(library: str) -> None:
-    """A run names the type of the figures that it gives away."""
-    assert _within("report", _importers(library) - {"graspdsl.api.told"})
+    """Runs and sweeps name the type of the figures that they give away."""
+    typed = {f"graspdsl.api.{name}" for name in ("told", "runs", "sweeps")}
+    assert _within("report", _importers(library) - typed)
 
 
 @pytest.mark.slow

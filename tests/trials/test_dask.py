@@ -88,7 +88,7 @@ def test_a_trial_that_ends_or_stops_its_process_has_crashed(cluster: Any, tmp_pa
 
 
 def test_a_scheduler_that_goes_away_leaves_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("graspdsl.trials.dask_crew.together", lambda _: 10)
+    monkeypatch.setattr("graspdsl.trials.dask_crew.most_together", lambda _: 10)
     place = tmp_path / "scheduler.json"
     options = ("--scheduler-file", str(place), "--no-dashboard", "--host", "127.0.0.1")
     program, dask = floats(60), (sys.executable, "-m", "dask")
