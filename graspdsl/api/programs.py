@@ -61,9 +61,14 @@ def program_in(examination: Examination, name: str, text: str) -> Program:
 
 def with_trials(program: Program, count: int | None, seed: int | None) -> Program:
     """The program of the same source with another number of trials and another seed. Raises DiagnosticError."""
-    asked = {"trials.count": count, "trials.seed": seed}
-    more = tuple(f"{path}={value}" for path, value in asked.items() if value is not None)
+    more = trial_settings(count, seed)
     return with_settings(program, *more) if more else program
+
+
+def trial_settings(count: int | None, seed: int | None) -> list[str]:
+    """The settings of so many trials from a seed, of what is given."""
+    asked = {"trials.count": count, "trials.seed": seed}
+    return [f"{path}={value}" for path, value in asked.items() if value is not None]
 
 
 def with_settings(program: Program, *settings: str) -> Program:

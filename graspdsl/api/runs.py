@@ -26,7 +26,6 @@ from graspdsl.report.outcomes import representatives
 from graspdsl.report.summary import Summary, summarised
 from graspdsl.report.wording import counted
 from graspdsl.trials.columns import Column, columns_of
-from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.identity import check_origin
 from graspdsl.trials.record import TrialRecord
 from graspdsl.trials.runner import execute, new_run, program_of_run
@@ -319,22 +318,6 @@ class Run(Told):
 
         shown = {name: frame(self.folder, trial.number) for name, trial in representatives(self.trials).items()}
         return {name: picture for name, picture in shown.items() if picture is not None}
-
-    def save(self, path: Place) -> Run:
-        """Copy it into a folder that is not there or is empty, where it stays; gives back the run that is there.
-
-        Raises DiagnosticError where that cannot be.
-        """
-        place = Path(path)
-        with reading(str(place)):
-            try:
-                if place.exists() and any(place.iterdir()):
-                    hint = "name another"
-                    raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint=hint)])
-                shutil.copytree(self.path, place, ignore=shutil.ignore_patterns(LOCK), dirs_exist_ok=True)
-            except OSError as error:
-                raise unwritable(error) from error
-            return Run(RunFolder.open(place, allow_code=self.folder.allow_code), self.program)
 
     def __repr__(self) -> str:
         asked, seed = self.folder.manifest.asked, self.folder.manifest.seed

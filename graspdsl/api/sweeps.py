@@ -7,7 +7,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graspdsl.api.programs import load, warn, with_settings, with_trials
+from graspdsl.api.programs import load, trial_settings, warn, with_settings
 from graspdsl.api.runs import (
     OnRecord,
     Run,
@@ -53,9 +53,9 @@ def sweep(
     shared_by = checked(workers, engine, scheduler)
     if not isinstance(program, Program):
         program = load(program, allow_code=allow_code)
-    if over is not None:
-        program = with_settings(program, setting("sweep", {"grid": {field: list(over[field]) for field in over}}))
-    program = with_trials(program, trials, seed)
+    grid = [setting("sweep", {"grid": {field: list(over[field]) for field in over}})] if over is not None else []
+    if more := [*grid, *trial_settings(trials, seed)]:
+        program = with_settings(program, *more)
     if not program.points:
         raise DiagnosticError([_no_sweep("this spec has no sweep")])
     return performed(Sweep, program, shared_by, out, progress)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy.typing as npt
 
@@ -17,6 +18,7 @@ from graspdsl.report.data_files import CSV, format_of, units_of, write_columns, 
 from graspdsl.report.exports import ALL, TRIALS
 from graspdsl.report.wording import counted
 from graspdsl.trials.columns import Column
+from graspdsl.trials.folders import LOCK, unwritable
 from graspdsl.trials.store import RunFolder
 
 if TYPE_CHECKING:
@@ -141,3 +143,20 @@ class Told(ABC):
             message, hint = f"this run has no table {name!r}", known_names_hint(name, self.tables, "tables")
             raise DiagnosticError([Diagnostic("unknown-table", message, hint=hint)], str(self.path))
         return self._shown[name]()
+
+    def save(self, path: Place) -> Self:
+        """Copy it into a folder that is not there or is empty, where it stays; gives back what is there.
+
+        Raises DiagnosticError where that cannot be.
+        """
+        place = Path(path)
+        with reading(str(place)):
+            self.folder.check_whole()
+            try:
+                if place.exists() and any(place.iterdir()):
+                    hint = "name another"
+                    raise DiagnosticError([Diagnostic("folder-not-empty", "this folder is not empty", hint=hint)])
+                shutil.copytree(self.path, place, ignore=shutil.ignore_patterns(LOCK), dirs_exist_ok=True)
+            except OSError as error:
+                raise unwritable(error) from error
+            return type(self)(RunFolder.open(place, allow_code=self.folder.allow_code), self.program)

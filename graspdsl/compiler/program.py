@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path as FilePath
 from typing import NamedTuple, TypeVar
 
@@ -168,9 +169,15 @@ def known_names(document: Document | None = None) -> Known:
 
 
 def examine(
-    text: str, name: str, overrides: tuple[str, ...] = (), folder: FilePath = HERE, allow_code: bool = False
+    text: str,
+    name: str,
+    overrides: tuple[str, ...] = (),
+    folder: FilePath = HERE,
+    allow_code: bool = False,
+    points: int | None = None,
 ) -> Examination:
-    """Check the text of a spec, faults of YAML, of values and of formulas all in one go, at every point of its sweep.
+    """Check the text of a spec, faults of YAML, of values and of formulas all in one go, at every point of its sweep,
+    or at the first ``points``.
 
     Files that the spec names by relative paths are in ``folder``; its Python files are run where code is allowed.
     """
@@ -181,7 +188,8 @@ def examine(
         return examination
     found = []
     assert program.spec.sweep is not None
-    for number, (point, settings) in enumerate(zip(program.spec.sweep.points(), program.points, strict=True)):
+    pairs = zip(program.spec.sweep.points(), program.points, strict=True)
+    for number, (point, settings) in enumerate(islice(pairs, points)):
         at = _examined(source._replace(overrides=settings))
         if at.program is not None:
             program._at[number] = at.program

@@ -14,6 +14,8 @@ from graspdsl.hands.mount_files import mount_in
 from graspdsl.places.files import SpecFolder, folder_of_files
 from graspdsl.places.folders import HAND_FILE, MOUNT_FILE
 
+MOST_POINTS = 20  # of a sweep, which are looked at while one writes
+
 
 def judged(text: str, path: Path, *, allow_code: bool = False) -> tuple[Diagnostic, ...]:
     """The complaints about a text, as of the file at a path, whatever that has on the disk; in reading order.
@@ -21,7 +23,7 @@ def judged(text: str, path: Path, *, allow_code: bool = False) -> tuple[Diagnost
     Other files that it names are read as they are on the disk. ``allow_code``: whether a spec's Python files are run.
     """
     if HAND_FILE.match(text) is None and MOUNT_FILE.match(text) is None:
-        examination = examine(text, path.name, (), folder_of_files(path), allow_code)
+        examination = examine(text, path.name, (), folder_of_files(path), allow_code, MOST_POINTS)
         missing = missing_engine(examination.program) if examination.program else None
         return (*examination.diagnostics, *([missing] if missing else []))
     read = hand_in if HAND_FILE.match(text) else mount_in

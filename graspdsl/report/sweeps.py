@@ -117,24 +117,17 @@ def swept(folder: RunFolder, program: Program) -> SweepSummary:
     found = [_evidence(folder.at_point(number), program.at(number)) for number in numbered]
     points = tuple(_point(number, values[number], evidence) for number, evidence in enumerate(found))
     changes = tuple(
-        Change(
-            field, point, base, held_against(found[base], found[point], pairs_of(found[base], found[point]), MEASURED)
-        )
+        Change(field, point, base, _against(found[base], found[point]))
         for field, point, base in _changes(sweep, values)
     )
     units = {field: _unit(field, [point[field] for point in values]) for field in sweep.fields}
     told = tuple(_correlations(units, points)) if sweep.random else ()
-    return SweepSummary(
-        manifest.name,
-        str(folder.path),
-        manifest.seed,
-        repeating(folder),
-        sweep.grid is not None,
-        units,
-        points,
-        changes,
-        told,
-    )
+    what = manifest.name, str(folder.path), manifest.seed, repeating(folder), sweep.grid is not None
+    return SweepSummary(*what, units, points, changes, told)
+
+
+def _against(base: Evidence, point: Evidence) -> Against:
+    return held_against(base, point, pairs_of(base, point), MEASURED)
 
 
 def _evidence(folder: RunFolder, program: Program) -> Evidence:
