@@ -34,40 +34,38 @@ def complaints_at(
     known: Collection[Diagnostic],
 ) -> list[Diagnostic]:
     """The complaints about points of a sweep, given those about the spec of each: of what the spec itself is told of,
-    ``known``, nothing; of what comes with one value, once, at its place; the first MOST_TOLD."""
+    ``known``, nothing; of a kind that comes with what stands at one place of the sweep, one; the first MOST_TOLD."""
     told = dict[object, Diagnostic]()
     for number, point, found in points:
-        for diagnostic in found:
-            if diagnostic not in known:
-                about = _about(diagnostic, point)
-                key = (about, diagnostic.code, diagnostic.message)
-                if key not in told and len(told) < MOST_TOLD:
-                    told[key] = _placed(diagnostic, about, number, point, sweep, document)
-    return list(told.values())
+        for diagnostic in (one for one in found if one not in known):
+            field = _named(diagnostic, point)
+            if field is None:
+                told.setdefault((diagnostic.code, diagnostic.message), _of_point(diagnostic, number, point))
+            else:
+                path = _place(sweep, field, point[field], number)
+                told.setdefault(
+                    (diagnostic.code, path), _of_value(diagnostic, setting(field, point[field]), path, document)
+                )
+    return list(told.values())[:MOST_TOLD]
 
 
-def _about(diagnostic: Diagnostic, point: Point) -> tuple[str, str] | None:
-    """The field and the setting that a complaint about a point names."""
-    for field, value in point.items():
-        if diagnostic.message.startswith(f"{origin_of(setting(field, value))}: "):
-            return field, setting(field, value)
-    return None
+def _named(diagnostic: Diagnostic, point: Point) -> str | None:
+    """The field whose value at a point a complaint names."""
+    named = (field for field in point if diagnostic.message.startswith(_introduction(setting(field, point[field]))))
+    return next(named, None)
 
 
-def _placed(
-    diagnostic: Diagnostic,
-    about: tuple[str, str] | None,
-    number: int,
-    point: Point,
-    sweep: Sweep,
-    document: Document,
-) -> Diagnostic:
-    if about is None:
-        said = ", ".join(shortened(setting(*value)) for value in point.items())
-        return replace(diagnostic, message=f"at point {number} of the sweep, {said}: {diagnostic.message}", fixes=())
-    field, value = about
-    path = _place(sweep, field, point[field], number)
-    message = f"at {shortened(value)}: {diagnostic.message.removeprefix(f'{origin_of(value)}: ')}"
+def _introduction(value: str) -> str:
+    return f"{origin_of(value)}: "
+
+
+def _of_point(diagnostic: Diagnostic, number: int, point: Point) -> Diagnostic:
+    said = ", ".join(map(shortened, map(setting, point, point.values())))
+    return replace(diagnostic, message=f"at point {number} of the sweep, {said}: {diagnostic.message}", fixes=())
+
+
+def _of_value(diagnostic: Diagnostic, value: str, path: Path, document: Document) -> Diagnostic:
+    message = f"at {shortened(value)}: {diagnostic.message.removeprefix(_introduction(value))}"
     return document.attributed(path, replace(diagnostic, message=message, span=document.span(path), fixes=()))
 
 

@@ -138,6 +138,15 @@ def test_a_fault_of_a_point_is_told_at_its_value(values: str, code: str, message
     assert line[fault.span.column - 1 : fault.span.end_column - 1] == values.split(", ")[1].rstrip("]")
 
 
+def test_a_law_that_is_wrong_everywhere_is_told_once() -> None:
+    text = f"{floating()}sweep: {{random: {{points: 5, over: {{control.step: {{uniform: [1, 2]}}}}}}}}\n"
+    [fault] = [fault for fault in examine(text, "spec.yaml").diagnostics if fault.severity == "error"]
+    assert (fault.code, fault.span and fault.span.column) == (
+        "out-of-range",
+        text.splitlines()[-1].index("{uniform") + 1,
+    )
+
+
 def test_a_fault_that_a_point_alone_has_names_the_point() -> None:
     text = f"{floating()}sweep: {{list: [{{scene.hand: points}}, {{scene.hand: barrett}}]}}\n"
     faults = [fault for fault in examine(text, "spec.yaml").diagnostics if fault.severity == "error"]
