@@ -129,9 +129,9 @@ def test_runs_are_compared(tmp_path: Path) -> None:
     assert other["converged"]["value"] < 0.0 == same["converged"]["value"]
     place = tmp_path / "<b>&"
     assert json.loads((place / "compare.json").read_text("utf-8"))["runs"] == numbers["runs"]
-    assert {file.name for file in place.iterdir()} == {"compare.html", "compare.json"} | {
-        f"{figure}.{kind}" for figure in ("orientation", "residuals", "convergence") for kind in ("svg", "png")
-    }
+    kinds, figures = ("svg", "png", "csv", "units.json"), ("orientation", "residuals", "convergence")
+    of_figures = {f"{figure}.{kind}" for figure in figures for kind in kinds}
+    assert {file.name for file in place.iterdir()} == {"compare.html", "compare.json"} | of_figures
     refused = graspdsl("compare", *folders, "--out", "<b>&", cwd=tmp_path)
     assert (refused.returncode, "folder-not-empty" in refused.stderr) == (1, True)
     said = graspdsl("compare", *folders, cwd=tmp_path)
