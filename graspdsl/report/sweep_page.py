@@ -45,8 +45,8 @@ def _caption(found: SweepSummary, field: str) -> str:
     lines = "" if len(found.fields) == 1 else ", a line for each combination of the other fields"
     lines = lines if found.on_grid else ", a mark for each point"
     return (
-        f"Over {labels_of(list(found.fields))[field]}{lines}: the share of trials that converged and the ticks of "
-        "those that did, with 95 % intervals of shares and medians, and the orientation of grasps at the end: its "
+        f"Over {labels_of(list(found.fields))[field]}{lines}: the share of trials that converged and the ticks that "
+        "they took, with 95 % intervals of shares and medians, and the orientation of grasps at the end: its "
         "median, thick bars from the 25th to the 75th percentile of trials, thin ones from the 10th to the 90th."
     )
 
@@ -83,7 +83,8 @@ def field_figure(found: SweepSummary, field: str) -> Figure:
         known = sorted(begun, key=lambda placed: placed[0])
         drawn = _Drawn(colour, line.label, joined=found.on_grid)
         drawn.medians(panels[0], [(x, point.share, point.interval) for x, point in known], 100.0)
-        drawn.medians(panels[1], [(x, point.medians["ticks"], point.intervals["ticks"]) for x, point in known])
+        name = "ticks_to_converge"
+        drawn.medians(panels[1], [(x, point.medians[name], point.intervals[name]) for x, point in known])
         drawn.quantiles(panels[2], [(x, point.orientations) for x, point in known])
     panels[0].set_ylim(-4.0, 104.0)
     panels[0].set_ylabel("converged (%)")

@@ -13,7 +13,7 @@ import numpy as np
 from graspdsl.compiler.program import Program
 from graspdsl.places.validation import slot
 from graspdsl.places.wording import Data, as_yaml, shortened, slug
-from graspdsl.report.comparison import MEASURES, Against, held_against, pairs_of
+from graspdsl.report.comparison import MEASURES, Against, Measure, held_against, pairs_of
 from graspdsl.report.data_files import Columns
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.statistics import (
@@ -33,8 +33,11 @@ from graspdsl.trials.columns import Column as DataColumn
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
 
-SHOWN = ("ticks", "orientation_end", "force_residual_end", "moment_residual_end")  # of MEASURES
-MEASURED = {name: MEASURES[name] for name in SHOWN}
+MEASURED = {
+    "ticks_to_converge": Measure("ticks to converge", 0, lambda r: float(r.ticks_to_converge or 0), every=False),
+    **{name: MEASURES[name] for name in ("orientation_end", "force_residual_end", "moment_residual_end")},
+}
+SHOWN = tuple(MEASURED)
 QUARTERS = (10.0, 25.0, 50.0, 75.0, 90.0)  # percentiles
 METHODS = (
     "Intervals hold 95 %: of shares they are Wilson's, of medians between order statistics. Trials of the same number "
@@ -326,7 +329,12 @@ def _words(values: Sequence[str]) -> DataColumn:
     return DataColumn(np.array(values, dtype=np.str_), "")
 
 
-_UNITS = {"ticks": "1", "orientation_end": "rad", "force_residual_end": "1", "moment_residual_end": "m"}
+_UNITS = {
+    "ticks_to_converge": "1",
+    "orientation_end": "rad",
+    "force_residual_end": "1",
+    "moment_residual_end": "m",
+}
 
 
 # Tables
@@ -378,7 +386,7 @@ def points_table(found: SweepSummary, *, briefly: bool = False) -> Table:
         )
         for point in found.points
     )
-    whole = Table("Points: shares that converged, and medians", columns, rows, "ticks: of converged trials")
+    whole = Table("Points: shares that converged, and medians", columns, rows, "ticks: those to converge")
     return whole.first(len(columns) - len(SHOWN)) if briefly else whole
 
 
@@ -451,19 +459,19 @@ def _format(unit: str) -> Format:
 _OUTCOMES = Format(lambda outcomes: ", ".join(f"{name} {count}" for name, count in outcomes.items()), words=True)
 _ENDS = Format(lambda ends: f"{ends[0]:+.2f} to {ends[1]:+.2f}", lambda ends: float(ends[0]))
 _LABELS = {
-    "ticks": "ticks",
+    "ticks_to_converge": "ticks",
     "orientation_end": "orientation",
     "force_residual_end": "‖ρ_f‖",
     "moment_residual_end": "‖ρ_m‖",
 }
 _FORMATS = {
-    "ticks": fixed(0),
+    "ticks_to_converge": fixed(0),
     "orientation_end": fixed(3, "rad"),
     "force_residual_end": fixed(4),
     "moment_residual_end": fixed(2, "mm", 1e3),
 }
 _SCALED: Mapping[str, tuple[float, str, str]] = {
-    "ticks": (1.0, "+.0f", ""),
+    "ticks_to_converge": (1.0, "+.0f", ""),
     "orientation_end": (1.0, "+.3f", " rad"),
     "force_residual_end": (1.0, "+.4f", ""),
     "moment_residual_end": (1e3, "+.2f", " mm"),

@@ -83,7 +83,7 @@ def test_the_page_has_a_figure_and_a_table_for_each_field(grid: g.Sweep) -> None
     legends = [text.get_text() for text in drawings[0].figure.legends[0].get_texts()]
     assert legends[:2] == ["nullspace gradient, friction 0.3", "nullspace gradient, friction 0.4"]
     ticks = drawings[0].figure.axes[1].get_lines()[0]
-    medians = [np.median(grid[at].columns()["ticks"][grid[at].columns()["outcome"] == "converged"]) for at in (0, 4)]
+    medians = [np.nanmedian(grid[at].columns()["ticks_to_converge"]) for at in (0, 4)]
     assert np.allclose(ticks.get_ydata(), medians)
     page = grid.report().read_text("utf-8")
     for field in grid.summary.fields:
@@ -96,8 +96,10 @@ def test_the_page_has_a_figure_and_a_table_for_each_field(grid: g.Sweep) -> None
 def test_points_that_were_drawn_are_held_against_the_first_and_ranked(tmp_path: Path) -> None:
     found = swept(tmp_path / "run", DRAWN).summary
     assert [(change.field, change.base) for change in found.changes] == [(None, 0)] * 6
-    [ticks] = [one for one in found.correlations if one.measure == "ticks"]
-    x, y = zip(*((point.values["control.step"], point.medians["ticks"]) for point in found.points), strict=True)
+    [ticks] = [one for one in found.correlations if one.measure == "ticks_to_converge"]
+    x, y = zip(
+        *((point.values["control.step"], point.medians["ticks_to_converge"]) for point in found.points), strict=True
+    )
     assert math.isclose(ticks.estimate.value, spearmanr(x, y).statistic)
     assert {one.field for one in found.correlations} == {"control.step"}
     assert correlations_table(found).rows
