@@ -56,7 +56,7 @@ from graspdsl.spec.loading import Known, Reading, Written, load_spec_text, read_
 from graspdsl.spec.models import Spec
 from graspdsl.spec.monitors import MonitorBounds
 from graspdsl.spec.overrides import makes_sweep
-from graspdsl.spec.sweeping import setting
+from graspdsl.spec.sweeping import setting, settings
 from graspdsl.worlds.kind import WorldKind
 from graspdsl.worlds.kinds import WORLDS, absence, worlds_with
 
@@ -189,8 +189,8 @@ def examine(
     found = []
     assert program.spec.sweep is not None
     pairs = zip(program.spec.sweep.points(), program.points, strict=True)
-    for number, (point, settings) in enumerate(islice(pairs, points)):
-        at = _examined(source._replace(overrides=settings))
+    for number, (point, overridden) in enumerate(islice(pairs, points)):
+        at = _examined(source._replace(overrides=overridden))
         if at.program is not None:
             program._at[number] = at.program
         missing = missing_engine(at.program) if at.program else None
@@ -266,7 +266,7 @@ def _points(spec: Spec, document: Document, overrides: tuple[str, ...]) -> tuple
         return ()
     kept = tuple(override for override in overrides if not makes_sweep(override))
     unmade = (setting("sweep", None),) if ("sweep",) in document.places else ()
-    return tuple((*kept, *unmade, *map(setting, point, point.values())) for point in spec.sweep.points())
+    return tuple((*kept, *unmade, *settings(point)) for point in spec.sweep.points())
 
 
 def _parameters_once(spec: Spec, document: Document, complaints: Complaints) -> None:

@@ -11,7 +11,7 @@ from graspdsl.places.document import Document, Path
 from graspdsl.places.wording import Data, shortened
 from graspdsl.spec.models import Spec
 from graspdsl.spec.overrides import origin_of
-from graspdsl.spec.sweeping import Point, Steps, Sweep, setting
+from graspdsl.spec.sweeping import Point, Steps, Sweep, setting, settings
 from graspdsl.spec.trials import MOST_TRIALS
 
 MOST_TOLD = 20  # complaints about points that differ
@@ -60,7 +60,7 @@ def _introduction(value: str) -> str:
 
 
 def _of_point(diagnostic: Diagnostic, number: int, point: Point) -> Diagnostic:
-    said = ", ".join(map(shortened, map(setting, point, point.values())))
+    said = ", ".join(map(shortened, settings(point)))
     return replace(diagnostic, message=f"at point {number} of the sweep, {said}: {diagnostic.message}", fixes=())
 
 

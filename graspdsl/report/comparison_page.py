@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from graspdsl.arrays import Array
 from graspdsl.report.comparison import Comparison, comparison_tables, methods_of
 from graspdsl.report.data_files import CSV, Columns, files_of
-from graspdsl.report.drawing import SMALL, Drawing, over_orientations, panels_of
+from graspdsl.report.drawing import Drawing, legend_above, over_orientations, panels_of
 from graspdsl.report.evidence import Evidence
 from graspdsl.report.figure_data import MILLIMETRES, Convergence, Density, convergence_of
 from graspdsl.report.palette import LIGHT, series
@@ -77,7 +77,7 @@ def orientation_figure(sides: Sequence[Side]) -> Figure:
     axes.set_ylim(0.0, None)
     axes.set_ylabel("density (1/rad)")
     over_orientations(axes, "orientation of the grasp at the end (rad)")
-    _legend(figure, axes)
+    legend_above(figure, axes)
     return figure
 
 
@@ -104,7 +104,7 @@ def residual_figure(sides: Sequence[Side]) -> Figure:
         axes.set_ylabel(label)
     below.set_xlabel("time since the controller took over (s)")
     figure.align_ylabels()
-    _legend(figure, above)
+    legend_above(figure, above)
     return figure
 
 
@@ -125,7 +125,7 @@ def convergence_figure(sides: Sequence[Side]) -> Figure:
     axes.set_yticks([0, 25, 50, 75, 100])
     axes.set_ylabel("trials converged (%)")
     axes.set_xlabel("ticks or probes to converge")
-    _legend(figure, axes)
+    legend_above(figure, axes)
     return figure
 
 
@@ -198,15 +198,6 @@ def _line(axes: Axes, place: int, x: Array, y: Array, label: str, *, steps: bool
         label=label,
         drawstyle="steps-post" if steps else "default",
     )
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    made = figure.legend(
-        handles, labels, loc="outside upper left", frameon=False, fontsize=SMALL, labelcolor=LIGHT["ink"], ncols=1
-    )
-    for text in made.get_texts():
-        text.set_parse_math(False)
 
 
 FIGURES: Mapping[str, tuple[Callable[[Sequence[Side]], Figure], Callable[[Side], Columns], str]] = {

@@ -89,6 +89,16 @@ def over_orientations(axes: Axes, label: str) -> None:
     axes.set_xlabel(label)
 
 
+def legend_above(figure: Figure, axes: Axes, columns: int = 1) -> None:
+    """Put the names of what axes show above the figure; they are users' text."""
+    handles, labels = axes.get_legend_handles_labels()
+    made = figure.legend(
+        handles, labels, loc="outside upper left", frameon=False, fontsize=SMALL, labelcolor=LIGHT["ink"], ncols=columns
+    )
+    for text in made.get_texts():
+        text.set_parse_math(False)
+
+
 def svg_of(figure: Figure, name: str) -> str:
     """A figure as an SVG file, its text as text."""
     stream = io.StringIO()

@@ -44,10 +44,15 @@ def write_report(
     Raises DiagnosticError where the folder cannot be written to.
     """
     drawings = drawings_of(evidence, summary)
-    files: dict[str, str | bytes] = {PAGE: page(evidence, summary, drawings, frames=frames, claims=claims)}
+    made = page(evidence, summary, drawings, frames=frames, claims=claims)
+    return write_page(evidence.folder.path, made, drawings)
+
+
+def write_page(folder: Path, made: str, drawings: Sequence[Drawing]) -> Path:
+    """Write a page and its figures into a folder, as :func:`write_report` does; returns where the page is."""
+    files: dict[str, str | bytes] = {PAGE: made}
     for drawing in drawings:
         files |= drawing.files(f"{FIGURES}/")
-    folder = evidence.folder.path
     replace(folder, files, outdated=(f"{FIGURES}/*.svg", f"{FIGURES}/*.png"))
     return folder / PAGE
 

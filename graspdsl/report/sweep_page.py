@@ -9,8 +9,10 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from graspdsl.places.fields import is_number
 from graspdsl.places.wording import Data
-from graspdsl.report.drawing import SMALL, Drawing, panels_of
+from graspdsl.report.drawing import Drawing, legend_above, panels_of
+from graspdsl.report.page import write_page
 from graspdsl.report.palette import LIGHT, SERIES, series
 from graspdsl.report.statistics import RIGHT_ANGLE, Interval
 from graspdsl.report.sweeps import (
@@ -20,7 +22,6 @@ from graspdsl.report.sweeps import (
     changes_tables,
     correlations_table,
     figure_name,
-    is_a_number,
     labels_of,
     points_table,
     said,
@@ -28,8 +29,7 @@ from graspdsl.report.sweeps import (
     verdict,
 )
 from graspdsl.report.templating import rendered
-from graspdsl.report.writing import FIGURES, PAGE, replace
-from graspdsl.spec.sweeping import setting
+from graspdsl.spec.sweeping import settings
 from graspdsl.trials.store import RunFolder
 
 FAR = 30.0  # times: values that lie farther apart are drawn over a logarithm
@@ -66,7 +66,7 @@ def _lines(found: SweepSummary, field: str) -> list[_Line]:
     labels, lines = labels_of(list(found.fields)), dict[tuple[str, ...], list[SweptPoint]]()
     for point in found.points:
         others = {name: value for name, value in point.values.items() if name != field}
-        lines.setdefault(tuple(map(setting, others, others.values())), []).append(point)
+        lines.setdefault(settings(others), []).append(point)
     return [_Line(valued(points[0], labels, but=field), points) for points in lines.values()]
 
 
@@ -95,12 +95,7 @@ def field_figure(found: SweepSummary, field: str) -> Figure:
     unit = found.fields[field]
     panels[2].set_xlabel(f"{field} ({unit})" if unit else field, parse_math=False)
     if told and len(lines) > 1:
-        handles, labels = panels[0].get_legend_handles_labels()
-        legend = figure.legend(
-            handles, labels, loc="outside upper left", frameon=False, fontsize=SMALL, labelcolor=LIGHT["ink"], ncols=2
-        )
-        for text in legend.get_texts():
-            text.set_parse_math(False)
+        legend_above(figure, panels[0], columns=2)
     figure.align_ylabels()
     return figure
 
@@ -109,7 +104,7 @@ def _placing(found: SweepSummary, field: str, axes: Axes) -> Callable[[Data, flo
     """Where values of a field are on the abscissa, so far aside [of its length]: numbers where they are, words one
     beside the other."""
     values = {said(point.values[field]): point.values[field] for point in found.points}
-    if all(map(is_a_number, values.values())):
+    if all(map(is_number, values.values())):
         numbers = list(map(_number, values.values()))
         low, high = min(numbers), max(numbers)
         if low > 0.0 and high > FAR * low:
@@ -184,8 +179,4 @@ def write_sweep(folder: RunFolder, found: SweepSummary) -> Path:
         correlations=correlations_table(found),
         methods=METHODS,
     )
-    files: dict[str, str | bytes] = {PAGE: page}
-    for drawing in drawings:
-        files |= drawing.files(f"{FIGURES}/")
-    replace(folder.path, files, outdated=(f"{FIGURES}/*.svg", f"{FIGURES}/*.png"))
-    return folder.path / PAGE
+    return write_page(folder.path, page, drawings)

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from graspdsl.compiler.program import Program
+from graspdsl.places.fields import is_number
 from graspdsl.places.validation import slot
 from graspdsl.places.wording import Data, as_yaml, shortened, slug
 from graspdsl.report.comparison import MEASURES, Against, Measure, held_against, pairs_of
@@ -28,7 +29,8 @@ from graspdsl.report.summary import repeating
 from graspdsl.report.tables import COUNT, INTERVAL, SHARE, TEXT, Column, Format, Table, fixed
 from graspdsl.report.wording import counted, percent, percents
 from graspdsl.spec.models import Spec
-from graspdsl.spec.sweeping import Point, Sweep, setting
+from graspdsl.spec.sweeping import Point, Sweep, settings
+from graspdsl.trials.columns import UNITS
 from graspdsl.trials.columns import Column as DataColumn
 from graspdsl.trials.outcomes import Outcome
 from graspdsl.trials.store import RunFolder
@@ -139,14 +141,9 @@ def _evidence(folder: RunFolder, program: Program) -> Evidence:
 
 
 def _unit(field: str, values: Sequence[Data]) -> str:
-    if not all(map(is_a_number, values)):
+    if not all(map(is_number, values)):
         return ""
     return slot(Spec, tuple(int(step) if step.isdecimal() else step for step in field.split("."))).unit or "1"
-
-
-def is_a_number(value: Data) -> bool:
-    """Whether a value of a field can stand on an axis."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _point(number: int, values: Point, evidence: Evidence) -> SweptPoint:
@@ -170,17 +167,13 @@ def _changes(sweep: Sweep, points: Sequence[Point]) -> list[tuple[str | None, in
     one that has it and is the same else."""
     if sweep.grid is None:
         return [(None, point, 0) for point in range(1, len(points))]
-    by_values = {_key(point): number for number, point in enumerate(points)}
+    by_values = {settings(point): number for number, point in enumerate(points)}
     found: list[tuple[str | None, int, int]] = []
     for field in sweep.fields:
         first = points[0][field]
-        based = [by_values[_key({**point, field: first})] for point in points]
+        based = [by_values[settings({**point, field: first})] for point in points]
         found += [(field, number, base) for number, base in enumerate(based) if number != base]
     return found
-
-
-def _key(point: Point) -> tuple[str, ...]:
-    return tuple(map(setting, point, point.values()))
 
 
 def _correlations(units: Mapping[str, str], points: Sequence[SweptPoint]) -> list[Correlation]:
@@ -218,7 +211,8 @@ def verdict(found: SweepSummary) -> str:
 
 
 def _at(point: SweptPoint) -> str:
-    share = f"{percent(point.share)} ({percents(wilson(point.converged, point.finished))})"
+    assert point.interval is not None
+    share = f"{percent(point.share)} ({percents(point.interval)})"
     return f"{share} at {valued(point, labels_of(list(point.values)))}"
 
 
@@ -245,7 +239,7 @@ def _points(found: SweepSummary) -> dict[str, DataColumn]:
     made |= {name: _whole([getattr(point, name) for point in points]) for name in ("asked", "finished", "converged")}
     made |= _ranged("share", "1", [(point.share, point.interval) for point in points])
     for name in SHOWN:
-        made |= _ranged(name, _UNITS[name], [(point.medians[name], point.intervals[name]) for point in points])
+        made |= _ranged(name, UNITS[name], [(point.medians[name], point.intervals[name]) for point in points])
     for place, percentile in enumerate(QUARTERS):
         ends = [point.orientations[place] if point.orientations else None for point in points]
         made[f"orientation_end.p{percentile:.0f}"] = _numbers(ends, "rad")
@@ -264,7 +258,7 @@ def _differences(found: SweepSummary) -> dict[str, DataColumn]:
         **_estimated("share", "1", [change.against.converged for change in changes]),
     }
     for name in SHOWN:
-        made |= _estimated(name, _UNITS[name], [change.against.differences.get(name) for change in changes])
+        made |= _estimated(name, UNITS[name], [change.against.differences.get(name) for change in changes])
     return made
 
 
@@ -329,14 +323,6 @@ def _words(values: Sequence[str]) -> DataColumn:
     return DataColumn(np.array(values, dtype=np.str_), "")
 
 
-_UNITS = {
-    "ticks_to_converge": "1",
-    "orientation_end": "rad",
-    "force_residual_end": "1",
-    "moment_residual_end": "m",
-}
-
-
 # Tables
 
 
@@ -344,7 +330,7 @@ def said(value: Data) -> str:
     """A value of a field, in few letters."""
     if isinstance(value, float):
         return f"{value:.4g}"
-    if is_a_number(value) or isinstance(value, bool):
+    if is_number(value) or isinstance(value, bool):
         return as_yaml(value)
     return shortened(value if isinstance(value, str) else json.dumps(value, ensure_ascii=False), 40)
 

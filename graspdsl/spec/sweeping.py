@@ -220,5 +220,10 @@ def setting(path: str, value: Data) -> str:
     return f"{path}={_written(value)}"
 
 
+def settings(point: Point) -> tuple[str, ...]:
+    """The values of a point as ``--set`` takes them."""
+    return tuple(map(setting, point, point.values()))
+
+
 def _written(value: Data) -> str:
     return json.dumps(value, ensure_ascii=False)

@@ -20,7 +20,7 @@ from graspdsl.trials.record import TrialRecord
 from graspdsl.worlds.protocol import PARTIES
 
 PERCENTILES = ("p50", "p95")
-_UNITS: Mapping[str, str] = {
+UNITS: Mapping[str, str] = {  # of what a record has by itself
     "number": "1",
     "rejected": "1",
     "orientation_start": "rad",
@@ -74,10 +74,10 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
             case "contact_forces" | "touching":
                 for place, contact in enumerate(_contacts(program, values)):
                     known = (of_contacts[place] if place < len(of_contacts) else None for of_contacts in values)
-                    found[f"{name}.{contact}"] = _numbers(known, _UNITS[name])
+                    found[f"{name}.{contact}"] = _numbers(known, UNITS[name])
             case "point_error" | "normal_error":
                 for place, percentile in enumerate(PERCENTILES):
-                    found[f"{name}.{percentile}"] = _numbers((pair[place] for pair in values), _UNITS[name])
+                    found[f"{name}.{percentile}"] = _numbers((pair[place] for pair in values), UNITS[name])
             case "balance":
                 for party, (place, (part, unit)) in product(PARTIES, enumerate(_LOADS.items())):
                     loads = (balance and getattr(balance, party)[place] for balance in values)
@@ -87,13 +87,13 @@ def columns_of(program: Program, records: Sequence[TrialRecord]) -> dict[str, Co
             case "quality":
                 found |= _grades(program, values)
             case "rejected":
-                found[name] = Column(np.array([len(starts) for starts in values], dtype=np.int64), _UNITS[name])
+                found[name] = Column(np.array([len(starts) for starts in values], dtype=np.int64), UNITS[name])
             case _ if name in _COUNTS:
-                found[name] = Column(np.array(values, dtype=np.int64), _UNITS[name])
+                found[name] = Column(np.array(values, dtype=np.int64), UNITS[name])
             case _ if name in _WORDS:
                 found[name] = Column(np.array([str(value) for value in values], dtype=np.str_), "")
             case _:
-                found[name] = _numbers(values, _UNITS[name])
+                found[name] = _numbers(values, UNITS[name])
     return found
 
 

@@ -32,7 +32,7 @@ def _row_first() -> None:
         time.sleep(0.005)
         _put(*waiting.pop())
 
-    Packs.put, RunFolder.add = place, add  # type: ignore[method-assign]
+    Packs.put, RunFolder.add = place, add
 
 
 def _last_bit() -> None:
@@ -44,7 +44,7 @@ def _last_bit() -> None:
             trial = dataclasses.replace(trial, record=dataclasses.replace(trial.record, force_residual_end=residual))
         _add(folder, trial)
 
-    RunFolder.add = add  # type: ignore[method-assign]
+    RunFolder.add = add
 
 
 def _other_trajectory() -> None:
@@ -55,7 +55,7 @@ def _other_trajectory() -> None:
         before.append(trial.trajectory)
         _add(folder, dataclasses.replace(trial, trajectory=before[-2:][0]))
 
-    RunFolder.add = add  # type: ignore[method-assign]
+    RunFolder.add = add
 
 
 def _one_try() -> None:
